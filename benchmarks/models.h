@@ -1,0 +1,33 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <string>
+#include <vector>
+
+namespace benchmarks
+{
+
+/// Reads the vertices, triangles and, where it has them, normals of a PLY file (ASCII or binary little endian).
+struct Model
+{
+    recon::TriangleMesh mesh;
+    recon::Vectors normals; ///< Empty, or one per vertex.
+    double diagonal = 0;
+    int genus = -1; ///< Of a closed mesh, else -1.
+    double volume = 0;
+};
+Model load_model(const std::string& path);
+void save_ply(const std::string& path, const recon::TriangleMesh& mesh);
+void save_ply(const std::string& path, const recon::Points& points, const recon::Vectors& normals = {});
+
+/// The cloud of one cell: each vertex plus 4 Gaussian copies at sigma = percent / 100 x diagonal; the vertices alone at 0.
+recon::Points noisy_cloud(const Model& model, double percent, unsigned seed);
+
+/// Models of the grids, as file names without ".ply".
+extern const std::vector<std::string> grid_a, grid_b, grid_c;
+
+/// Seconds of CPU of all threads of this process so far: what is compared when a machine is shared.
+double cpu_seconds();
+
+} // namespace benchmarks

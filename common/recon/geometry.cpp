@@ -1,0 +1,138 @@
+#include <recon/geometry.h>
+
+#include <recon/errors.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+namespace recon
+{
+
+double Box::diagonal() const
+{
+    // Through the largest side, so that 1e200 does not overflow and 1e-200 does not vanish.
+    const Vector sides = maximum - minimum;
+    const double largest = sides.maxCoeff();
+    if (!(largest > 0))
+        return 0;
+    return largest * (sides / largest).norm();
+}
+
+Box bounding_box(const Points& points)
+{
+    Box box;
+    for (const Point& p : points)
+    {
+        box.minimum = box.minimum.cwiseMin(p);
+        box.maximum = box.maximum.cwiseMax(p);
+    }
+    return box;
+}
+
+UnitFrame::UnitFrame(const Points& points)
+{
+    if (points.empty())
+        throw InvalidInput("There are no points. Load or select a point cloud first.");
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!points[i].allFinite())
+            throw InvalidInput("Vertex " + std::to_string(i) +
+                               " has a coordinate that is not a finite number. Delete such vertices first.");
+    const Box box = bounding_box(points);
+    centre_ = box.centre();
+    scale_ = box.diagonal();
+    if (!(scale_ > 0))
+        scale_ = 1;
+}
+
+Points UnitFrame::to_unit(const Points& points) const
+{
+    Points result;
+    result.reserve(points.size());
+    for (const Point& p : points)
+        result.push_back(to_unit(p));
+    return result;
+}
+
+void UnitFrame::from_unit_in_place(Points& points) const
+{
+    for (Point& p : points)
+        p = from_unit(p);
+}
+
+void check_spans_volume(const Points& points)
+{
+    if (points.size() < 4)
+        throw InvalidInput("There are only " + std::to_string(points.size()) +
+                           " points; at least 4 that do not lie in one plane are needed. Load or select more points.");
+    const UnitFrame frame(points);
+    Vector mean = Vector::Zero();
+    for (const Point& p : points)
+        mean += frame.to_unit(p);
+    mean /= double(points.size());
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const Point& p : points)
+    {
+        const Vector d = frame.to_unit(p) - mean;
+        covariance += d * d.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+    const Vector extent = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+    // The eigenvalues of a double covariance are right to about 1e-16 of the largest, their roots to 1e-8.
+    const double nothing = 1e-7;
+    if (extent[2] <= 1e-12)
+        throw InvalidInput("All points are equal. A surface needs points that spread in three dimensions.");
+    if (extent[1] <= nothing * extent[2])
+        throw InvalidInput("All points lie on one line. A surface needs points that spread in three dimensions.");
+    if (extent[0] <= nothing * extent[2])
+        throw InvalidInput("All points lie in one plane. A closed surface needs points that spread in three "
+                           "dimensions; for a flat set use a two-dimensional triangulation.");
+}
+
+DistinctPoints find_distinct_points(const Points& points)
+{
+    std::vector<int> order(points.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto lexicographic = [&](int a, int b)
+    {
+        for (int k = 0; k < 3; ++k)
+            if (points[a][k] != points[b][k])
+                return points[a][k] < points[b][k];
+        return a < b;
+    };
+    std::sort(order.begin(), order.end(), lexicographic);
+    DistinctPoints result;
+    std::vector<int> first(points.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        first[order[i]] = i > 0 && points[order[i]] == points[order[i - 1]] ? first[order[i - 1]] : order[i];
+    result.representative.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        if (first[i] == int(i))
+        {
+            result.representative[i] = int(result.first_index.size());
+            result.first_index.push_back(int(i));
+        }
+        else
+            result.representative[i] = result.representative[first[i]];
+    }
+    return result;
+}
+
+double enclosed_volume(const TriangleMesh& mesh)
+{
+    if (mesh.vertices.empty())
+        return 0;
+    const Point origin = mesh.vertices.front(); // not (0,0,0): a far offset would cancel
+    double volume = 0;
+    for (const auto& t : mesh.triangles)
+        volume += (mesh.vertices[t[0]] - origin)
+                      .dot((mesh.vertices[t[1]] - origin).cross(mesh.vertices[t[2]] - origin));
+    return volume / 6;
+}
+
+} // namespace recon

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace recon
+{
+
+using Point = Eigen::Vector3d;
+using Vector = Eigen::Vector3d;
+using Points = std::vector<Point>;
+using Vectors = std::vector<Vector>;
+
+/// Points with outward unit normals, one each.
+struct OrientedSamples
+{
+    Points points;
+    Vectors normals;
+};
+
+/// Triangles counter-clockwise seen from outside.
+struct TriangleMesh
+{
+    Points vertices;
+    std::vector<std::array<int, 3>> triangles;
+    /// Per triangle, bit e set: its edge from corner e to corner (e + 1) % 3 is a diagonal inside a polygon. Empty: none.
+    std::vector<std::uint8_t> faux_edges;
+};
+
+/// Axis-aligned bounding box. Empty for no points: minimum > maximum.
+struct Box
+{
+    Point minimum = Point::Constant(1e308);
+    Point maximum = Point::Constant(-1e308);
+
+    Point centre() const { return 0.5 * minimum + 0.5 * maximum; }
+    double diagonal() const;
+};
+
+Box bounding_box(const Points& points);
+
+/// The frame in which all algorithms compute: centred, box diagonal 1. Coordinates like UTM's or of 1e-30 lose nothing
+/// there that the input had.
+class UnitFrame
+{
+public:
+    /// \throws InvalidInput for no points or for a point that is not finite.
+    explicit UnitFrame(const Points& points);
+
+    double scale() const { return scale_; } ///< Length of one unit [input units]; 1 if all points are equal.
+    Point to_unit(const Point& p) const { return (p - centre_) / scale_; }
+    Point from_unit(const Point& p) const { return p * scale_ + centre_; }
+    Points to_unit(const Points& points) const;
+    void from_unit_in_place(Points& points) const;
+
+private:
+    Point centre_;
+    double scale_;
+};
+
+/// Checks what every volumetric method needs: at least 4 distinct finite points that do not lie in one plane.
+/// \throws InvalidInput naming the cause (too few, not finite, all equal, collinear, coplanar) and the remedy.
+void check_spans_volume(const Points& points);
+
+/// First index of each distinct point in input order, and for every input point the position of its representative in
+/// that list.
+struct DistinctPoints
+{
+    std::vector<int> first_index;
+    std::vector<int> representative;
+};
+DistinctPoints find_distinct_points(const Points& points);
+
+/// Signed volume enclosed by a closed mesh: positive if its triangles face outward.
+double enclosed_volume(const TriangleMesh& mesh);
+
+} // namespace recon

@@ -1,0 +1,96 @@
+#include <recon/neighbours.h>
+
+#include <nanoflann.hpp>
+
+#include <limits>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+struct Adaptor
+{
+    const Points* points;
+
+    std::size_t kdtree_get_point_count() const { return points->size(); }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const { return (*points)[i][Eigen::Index(axis)]; }
+    template <class Bounds>
+    bool kdtree_get_bbox(Bounds&) const
+    {
+        return false;
+    }
+};
+
+using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>, Adaptor, 3, int>;
+
+/// Collects indices in a closed ball without a second array of distances.
+class IndicesWithin
+{
+public:
+    using DistanceType = double;
+    using IndexType = int;
+
+    IndicesWithin(double squared_radius, std::vector<int>& indices)
+        : limit_(std::nextafter(squared_radius, std::numeric_limits<double>::infinity())), indices_(indices)
+    {
+    }
+    std::size_t size() const { return indices_.size(); }
+    bool full() const { return true; }
+    bool addPoint(double squared, int index)
+    {
+        if (squared < limit_)
+            indices_.push_back(index);
+        return true;
+    }
+    double worstDist() const { return limit_; }
+
+private:
+    double limit_;
+    std::vector<int>& indices_;
+};
+
+} // namespace
+
+struct NeighbourSearch::Tree
+{
+    explicit Tree(const Points& points)
+        : adaptor{&points}, index(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(12))
+    {
+        if (!points.empty())
+            index.buildIndex();
+    }
+    Adaptor adaptor;
+    Index index;
+};
+
+NeighbourSearch::NeighbourSearch(const Points& points) : tree_(std::make_unique<Tree>(points)) {}
+NeighbourSearch::~NeighbourSearch() = default;
+NeighbourSearch::NeighbourSearch(NeighbourSearch&&) noexcept = default;
+NeighbourSearch& NeighbourSearch::operator=(NeighbourSearch&&) noexcept = default;
+
+int NeighbourSearch::nearest(const Point& query, int k, int* indices, double* squared) const
+{
+    if (tree_->adaptor.points->empty() || k <= 0)
+        return 0;
+    return int(tree_->index.knnSearch(query.data(), std::size_t(k), indices, squared));
+}
+
+int NeighbourSearch::nearest(const Point& query) const
+{
+    int index = -1;
+    double squared = 0;
+    return nearest(query, 1, &index, &squared) > 0 ? index : -1;
+}
+
+void NeighbourSearch::within(const Point& query, double radius, std::vector<int>& indices) const
+{
+    indices.clear();
+    if (tree_->adaptor.points->empty())
+        return;
+    IndicesWithin found(radius * radius, indices);
+    tree_->index.findNeighbors(found, query.data(), nanoflann::SearchParams());
+}
+
+} // namespace recon

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <memory>
+
+namespace recon
+{
+
+/// Nearest-neighbour queries on a fixed set of points (nanoflann). Queries may run on many threads at once.
+class NeighbourSearch
+{
+public:
+    /// Keeps a reference to `points`; they must outlive this object. May be empty.
+    explicit NeighbourSearch(const Points& points);
+    ~NeighbourSearch();
+    NeighbourSearch(NeighbourSearch&&) noexcept;
+    NeighbourSearch& operator=(NeighbourSearch&&) noexcept;
+
+    /// Writes the min(k, size) nearest points to `indices` and their squared distances to `squared`, nearest first.
+    /// Both arrays hold at least k entries. A query that is one of the points finds itself. \returns how many there are.
+    int nearest(const Point& query, int k, int* indices, double* squared) const;
+
+    /// Index of the nearest point, -1 if there are none.
+    int nearest(const Point& query) const;
+
+    /// Indices of all points within `radius` of `query`, unordered; replaces the content of `indices`.
+    void within(const Point& query, double radius, std::vector<int>& indices) const;
+
+private:
+    struct Tree;
+    std::unique_ptr<Tree> tree_;
+};
+
+} // namespace recon

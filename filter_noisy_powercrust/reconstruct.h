@@ -1,0 +1,55 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace recon
+{
+
+enum class KeepComponents
+{
+    largest, ///< Only the component with the largest enclosed volume.
+    all
+};
+
+/// Options of reconstruct_noisy_power_crust(). Lengths are in input units.
+struct NoisyPowerCrustOptions
+{
+    double ball_threshold = 0;    ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
+    double noise = 0;             ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
+    double deep_intersection = 0; ///< Cosine of intersection above which neighbours agree, 0..1. 0 = weighed in samples.
+    KeepComponents keep_components = KeepComponents::largest;
+    int threads = 0;              ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
+};
+
+/// Closed oriented surface and what was chosen on the way. Lengths are in input units.
+struct NoisyPowerCrust
+{
+    TriangleMesh mesh;               ///< Crust; polygon diagonals are faux edges.
+    std::vector<int> nearest_sample; ///< Per crust vertex: index of the nearest input point.
+
+    int points_used = 0;             ///< Distinct input points [count].
+    double spacing = 0;              ///< Median local spacing of the samples [length].
+    double noise = 0;                ///< Standard deviation of the noise, estimated or given [length].
+    double smallest_ball = 0;        ///< Radius of the smallest polar ball kept [length].
+    int balls_kept = 0;              ///< [count]
+    double violated_votes = 0;       ///< Share of the samples' vote weight that the labels contradict [0..1].
+    int components = 0;              ///< [count]
+    int euler_characteristic = 0;
+    int genus = 0;                   ///< Summed over the components.
+    std::vector<std::string> warnings; ///< In words for the user.
+    std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
+};
+
+/// Reconstructs a closed, outward oriented surface from noisy points without normals (Mederos, Amenta, Velho, de Figueiredo
+/// 2005, algorithm 4.1, with a local threshold and a global labelling).
+/// \throws InvalidInput for points that do not span a volume or are not finite, or an option out of range.
+/// \throws AlgorithmFailure if no inner ball is left. \throws Cancelled.
+NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options = {},
+                                              const Progress& progress = {});
+
+} // namespace recon

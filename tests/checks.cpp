@@ -1,0 +1,120 @@
+#include "checks.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <sstream>
+
+namespace checks
+{
+namespace
+{
+
+int find_root(std::vector<int>& parent, int i)
+{
+    while (parent[i] != i)
+        i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+} // namespace
+
+MeshReport examine_mesh(const recon::TriangleMesh& mesh)
+{
+    MeshReport report;
+    const int vertex_count = int(mesh.vertices.size());
+    report.finite = std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); });
+
+    struct Edge
+    {
+        int a, b, triangle, direction;
+        bool operator<(const Edge& other) const { return a != other.a ? a < other.a : b < other.b; }
+    };
+    std::vector<Edge> edges;
+    std::vector<int> parent(vertex_count);
+    std::iota(parent.begin(), parent.end(), 0);
+    std::vector<std::vector<int>> triangles_at(vertex_count);
+    for (int t = 0; t < int(mesh.triangles.size()); ++t)
+    {
+        const auto& corners = mesh.triangles[t];
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+            ++report.degenerate_triangles;
+        for (int e = 0; e < 3; ++e)
+        {
+            const int from = corners[e], to = corners[(e + 1) % 3];
+            edges.push_back({std::min(from, to), std::max(from, to), t, from < to ? 1 : -1});
+            parent[find_root(parent, from)] = find_root(parent, to);
+            triangles_at[from].push_back(t);
+        }
+    }
+    std::sort(edges.begin(), edges.end());
+
+    report.closed = report.edge_manifold = report.consistently_oriented = true;
+    int edge_count = 0;
+    for (std::size_t begin = 0; begin < edges.size();)
+    {
+        std::size_t end = begin;
+        int direction = 0;
+        while (end < edges.size() && edges[end].a == edges[begin].a && edges[end].b == edges[begin].b)
+            direction += edges[end++].direction;
+        ++edge_count;
+        report.closed &= end - begin == 2;
+        report.edge_manifold &= end - begin <= 2;
+        report.consistently_oriented &= end - begin != 2 || direction == 0;
+        begin = end;
+    }
+
+    // A vertex is manifold if its triangles are connected through edges at it.
+    report.vertex_manifold = true;
+    int used = 0;
+    for (int v = 0; v < vertex_count; ++v)
+    {
+        const auto& around = triangles_at[v];
+        if (around.empty())
+        {
+            ++report.unreferenced_vertices;
+            continue;
+        }
+        ++used;
+        std::map<int, std::vector<int>> by_neighbour;
+        for (int i = 0; i < int(around.size()); ++i)
+            for (const int w : mesh.triangles[around[i]])
+                if (w != v)
+                    by_neighbour[w].push_back(i);
+        std::vector<int> fan(around.size());
+        std::iota(fan.begin(), fan.end(), 0);
+        for (const auto& entry : by_neighbour)
+            for (const int i : entry.second)
+                fan[find_root(fan, i)] = find_root(fan, entry.second.front());
+        for (int i = 1; i < int(around.size()); ++i)
+            report.vertex_manifold &= find_root(fan, i) == find_root(fan, 0);
+    }
+
+    for (int v = 0; v < vertex_count; ++v)
+        if (!triangles_at[v].empty() && find_root(parent, v) == v)
+            ++report.components;
+    report.euler_characteristic = used - edge_count + int(mesh.triangles.size());
+
+    long double volume = 0;
+    for (const auto& t : mesh.triangles)
+    {
+        const auto& o = mesh.vertices[mesh.triangles.front()[0]];
+        const Eigen::Vector3d a = mesh.vertices[t[0]] - o, b = mesh.vertices[t[1]] - o, c = mesh.vertices[t[2]] - o;
+        volume += a.x() * (b.y() * c.z() - b.z() * c.y()) - a.y() * (b.x() * c.z() - b.z() * c.x()) +
+                  a.z() * (b.x() * c.y() - b.y() * c.x());
+    }
+    report.volume = double(volume / 6);
+    return report;
+}
+
+std::string MeshReport::text() const
+{
+    std::ostringstream out;
+    out << "components " << components << ", Euler characteristic " << euler_characteristic
+        << (closed ? ", closed" : ", OPEN") << (edge_manifold ? "" : ", edges NOT MANIFOLD")
+        << (vertex_manifold ? "" : ", vertices NOT MANIFOLD") << (consistently_oriented ? "" : ", NOT ORIENTED")
+        << (finite ? "" : ", NOT FINITE") << ", degenerate " << degenerate_triangles << ", volume " << volume;
+    return out.str();
+}
+
+} // namespace checks

@@ -1,0 +1,71 @@
+#include <recon/errors.h>
+#include <recon/parallel.h>
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <thread>
+
+using namespace recon;
+
+TEST(ParallelFor, VisitsEveryItemOnceWithAnyNumberOfThreads)
+{
+    for (const int threads : {1, 2, 3, 8})
+    {
+        std::vector<int> visits(10'001, 0);
+        parallel_for(visits.size(), threads, {}, [&](std::size_t i) { ++visits[i]; });
+        EXPECT_EQ(std::accumulate(visits.begin(), visits.end(), 0), 10'001);
+        EXPECT_EQ(*std::max_element(visits.begin(), visits.end()), 1);
+    }
+    parallel_for(0, 2, {}, [](std::size_t) { FAIL(); });
+}
+
+TEST(ParallelFor, PassesOnWhatTheBodyThrows)
+{
+    EXPECT_THROW(parallel_for(1000, 3, {}, [](std::size_t i) { if (i == 500) throw InvalidInput("x"); }, 10),
+                 InvalidInput);
+}
+
+TEST(ParallelFor, ReportsOnTheCallersThreadAndStopsWhenAsked)
+{
+    const auto caller = std::this_thread::get_id();
+    int calls = 0;
+    const Progress progress([&](double fraction, const std::string&)
+                            {
+                                EXPECT_EQ(std::this_thread::get_id(), caller);
+                                EXPECT_LE(fraction, 1);
+                                return ++calls < 3;
+                            });
+    EXPECT_THROW(parallel_for(1'000'000, 2, progress, [](std::size_t) {}, 1), Cancelled);
+    EXPECT_EQ(calls, 3);
+}
+
+TEST(ParallelInvoke, RunsBothAndPassesOnFailures)
+{
+    for (const int threads : {1, 2})
+    {
+        int done = 0, other = 0;
+        parallel_invoke(threads, [&] { ++done; }, [&] { ++other; });
+        EXPECT_EQ(done + other, 2);
+        EXPECT_THROW(parallel_invoke(threads, [] {}, [] { throw InvalidInput("x"); }), InvalidInput);
+        EXPECT_THROW(parallel_invoke(threads, [] { throw Cancelled(); }, [] {}), Cancelled);
+    }
+}
+
+TEST(Progress, MapsPartsAndNeverFalls)
+{
+    std::vector<double> seen;
+    std::vector<std::string> phases;
+    const Progress progress([&](double fraction, const std::string& phase)
+                            {
+                                seen.push_back(fraction);
+                                phases.push_back(phase);
+                                return true;
+                            });
+    const Progress half = progress.part(0, 0.5, "first");
+    half.part(0.5, 1, "inner").report(1);
+    half.report(0.1);
+    progress.part(0.5, 1, "second").report(0.5);
+    EXPECT_EQ(seen, (std::vector<double>{0.5, 0.5, 0.75}));
+    EXPECT_EQ(phases, (std::vector<std::string>{"inner", "first", "second"}));
+}

@@ -1,0 +1,163 @@
+#include "shapes.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace shapes
+{
+namespace
+{
+
+using recon::OrientedSamples;
+using recon::Point;
+using recon::Points;
+using recon::Vector;
+
+constexpr double pi = 3.14159265358979323846;
+
+double uniform(Random& random) { return double(random() >> 11) * 0x1p-53; }
+
+double gaussian(Random& random)
+{
+    // Box-Muller, since std::normal_distribution differs between standard libraries.
+    return std::sqrt(-2 * std::log(1 - uniform(random))) * std::cos(2 * pi * uniform(random));
+}
+
+Vector direction(Random& random)
+{
+    const double z = 2 * uniform(random) - 1, angle = 2 * pi * uniform(random), r = std::sqrt(1 - z * z);
+    return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+} // namespace
+
+OrientedSamples sphere(int n, double radius, std::uint64_t seed)
+{
+    return ellipsoid(n, Vector::Constant(radius), seed);
+}
+
+OrientedSamples ellipsoid(int n, const Vector& half_axes, std::uint64_t seed)
+{
+    Random random(seed);
+    OrientedSamples samples;
+    const double shortest = half_axes.minCoeff();
+    while (int(samples.points.size()) < n)
+    {
+        const Vector u = direction(random);
+        // Area grows by abc |u / axes|; at most abc / shortest axis.
+        const Vector scaled = u.cwiseQuotient(half_axes);
+        if (uniform(random) > scaled.norm() * shortest)
+            continue;
+        samples.points.push_back(u.cwiseProduct(half_axes));
+        samples.normals.push_back(scaled.normalized());
+    }
+    return samples;
+}
+
+OrientedSamples torus(int n, double major, double minor, std::uint64_t seed)
+{
+    Random random(seed);
+    OrientedSamples samples;
+    while (int(samples.points.size()) < n)
+    {
+        const double u = 2 * pi * uniform(random), v = 2 * pi * uniform(random);
+        if (uniform(random) > (major + minor * std::cos(v)) / (major + minor))
+            continue;
+        const Vector normal(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v));
+        samples.points.push_back(Vector(major * std::cos(u), major * std::sin(u), 0) + minor * normal);
+        samples.normals.push_back(normal);
+    }
+    return samples;
+}
+
+OrientedSamples box(int n, const Vector& sides, std::uint64_t seed)
+{
+    Random random(seed);
+    OrientedSamples samples;
+    const Vector area(sides.y() * sides.z(), sides.z() * sides.x(), sides.x() * sides.y());
+    for (int i = 0; i < n; ++i)
+    {
+        double pick = uniform(random) * area.sum();
+        int axis = 0;
+        while (axis < 2 && pick > area[axis])
+            pick -= area[axis++];
+        const double side = random() % 2 == 0 ? -1 : 1;
+        Point p;
+        for (int k = 0; k < 3; ++k)
+            p[k] = (k == axis ? 0.5 * side : uniform(random) - 0.5) * sides[k];
+        samples.points.push_back(p);
+        samples.normals.push_back(side * Vector::Unit(axis));
+    }
+    return samples;
+}
+
+OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t seed)
+{
+    Random random(seed);
+    OrientedSamples samples;
+    for (int i = 0; i < n; ++i)
+    {
+        const double angle = 2 * pi * uniform(random);
+        if (uniform(random) * (half_length + radius) < half_length)
+        {
+            const Vector normal(std::cos(angle), std::sin(angle), 0);
+            samples.points.push_back(radius * normal + Vector(0, 0, (2 * uniform(random) - 1) * half_length));
+            samples.normals.push_back(normal);
+        }
+        else
+        {
+            const Vector normal = direction(random);
+            samples.points.push_back(radius * normal + Vector(0, 0, std::copysign(half_length, normal.z())));
+            samples.normals.push_back(normal);
+        }
+    }
+    return samples;
+}
+
+double distance_to_sphere(const Point& p, double radius) { return std::abs(p.norm() - radius); }
+
+double distance_to_torus(const Point& p, double major, double minor)
+{
+    return std::abs(std::hypot(p.head<2>().norm() - major, p.z()) - minor);
+}
+
+double distance_to_box(const Point& p, const Vector& sides)
+{
+    const Vector q = p.cwiseAbs() - 0.5 * sides;
+    return std::abs(q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0));
+}
+
+double distance_to_capsule(const Point& p, double radius, double half_length)
+{
+    return std::abs((p - Point(0, 0, std::clamp(p.z(), -half_length, half_length))).norm() - radius);
+}
+
+Points with_noise(const Points& points, double sigma, std::uint64_t seed)
+{
+    Random random(seed);
+    Points result = points;
+    for (Point& p : result)
+        for (int k = 0; k < 3; ++k)
+            p[k] += sigma * gaussian(random);
+    return result;
+}
+
+Points with_noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)
+{
+    Random random(seed);
+    Points result = points;
+    result.reserve(points.size() * std::size_t(copies + 1));
+    for (const Point& p : points)
+        for (int c = 0; c < copies; ++c)
+        {
+            Point q = p;
+            for (int k = 0; k < 3; ++k)
+                q[k] += sigma * gaussian(random);
+            result.push_back(q);
+        }
+    return result;
+}
+
+} // namespace shapes

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <cstdint>
+#include <functional>
+#include <random>
+
+/// Point clouds on surfaces whose distance, normal and genus are known exactly. The same seed gives the same points.
+namespace shapes
+{
+
+using Random = std::mt19937_64;
+
+/// Area-uniform random points with outward normals.
+recon::OrientedSamples sphere(int n, double radius, std::uint64_t seed);
+/// Torus around the z axis: tube `minor` around the circle of radius `major`.
+recon::OrientedSamples torus(int n, double major, double minor, std::uint64_t seed);
+/// Axis-aligned box centred at the origin.
+recon::OrientedSamples box(int n, const recon::Vector& sides, std::uint64_t seed);
+/// Ellipsoid with the given half axes (area-uniform by rejection).
+recon::OrientedSamples ellipsoid(int n, const recon::Vector& half_axes, std::uint64_t seed);
+/// Cylinder of half length `half_length` along z with hemispherical caps.
+recon::OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t seed);
+
+/// Distance to the surface, >= 0.
+double distance_to_sphere(const recon::Point& p, double radius);
+double distance_to_torus(const recon::Point& p, double major, double minor);
+double distance_to_box(const recon::Point& p, const recon::Vector& sides);
+double distance_to_capsule(const recon::Point& p, double radius, double half_length);
+
+/// Each point moved by isotropic Gaussian noise of standard deviation `sigma` per coordinate.
+recon::Points with_noise(const recon::Points& points, double sigma, std::uint64_t seed);
+/// Every point, and `copies` Gaussian copies of it: the clouds of Mederos et al. and of our benchmarks.
+recon::Points with_noisy_copies(const recon::Points& points, double sigma, int copies, std::uint64_t seed);
+
+} // namespace shapes
