@@ -1,0 +1,21 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Indices of the distinct points, sorted along a Z-order curve through the bounding box; of equal points the first.
+/// Neighbours in space are mostly neighbours in memory then, every k-th one is an even sample of the cloud, and an
+/// algorithm that works in this order does not depend on the order of its input.
+/// \pre points are finite.
+struct SpatialOrder
+{
+    std::vector<int> order;          ///< Input index of each distinct point.
+    std::vector<int> representative; ///< Per input point: its position in `order`, equal points share one.
+};
+SpatialOrder order_spatially(const Points& points);
+
+} // namespace recon

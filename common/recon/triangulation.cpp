@@ -1,0 +1,65 @@
+#include <recon/triangulation.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+namespace recon
+{
+namespace
+{
+
+/// For the directed edge i -> j of a positively oriented cell: the position of the vertex across whose facet the next cell
+/// around the edge lies, counter-clockwise seen from j.
+constexpr int next_around_edge[4][4] = {{5, 2, 3, 1}, {3, 5, 0, 2}, {1, 3, 5, 0}, {2, 0, 1, 5}};
+
+} // namespace
+
+void Triangulation::list_ring(int cell, int a, int b, std::vector<int>& ring) const
+{
+    ring.clear();
+    int c = cell;
+    do
+    {
+        ring.push_back(c);
+        const Cell& current = cells[c];
+        c = current.neighbours[next_around_edge[current.position_of(a)][current.position_of(b)]];
+    } while (c != cell);
+}
+
+CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count)
+{
+    CellsAtVertices result;
+    result.first.assign(std::size_t(vertex_count) + 1, 0);
+    for (const auto& cell : triangulation.cells)
+        for (const int v : cell.vertices)
+            if (v != Triangulation::infinite)
+                ++result.first[v + 1];
+    for (int v = 0; v < vertex_count; ++v)
+        result.first[v + 1] += result.first[v];
+    result.cell.resize(result.first.back());
+    std::vector<int> next(result.first.begin(), result.first.end() - 1);
+    for (int c = 0; c < int(triangulation.cells.size()); ++c)
+        for (const int v : triangulation.cells[c].vertices)
+            if (v != Triangulation::infinite)
+                result.cell[next[v]++] = c;
+    return result;
+}
+
+bool find_power_centre(const std::array<Point, 4>& points, const std::array<double, 4>& weights, Point& centre)
+{
+    const Vector a = points[1] - points[0], b = points[2] - points[0], c = points[3] - points[0];
+    const Vector ab = a.cross(b), bc = b.cross(c), ca = c.cross(a);
+    const double determinant = a.dot(bc);
+    // A volume below what cancellation leaves of the products means a flat cell.
+    const double size = a.norm() * b.norm() * c.norm();
+    if (!(std::abs(determinant) > 1e-13 * size))
+        return false;
+    const double da = a.squaredNorm() - weights[1] + weights[0];
+    const double db = b.squaredNorm() - weights[2] + weights[0];
+    const double dc = c.squaredNorm() - weights[3] + weights[0];
+    centre = points[0] + (da * bc + db * ca + dc * ab) / (2 * determinant);
+    return true;
+}
+
+} // namespace recon

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <array>
+#include <vector>
+
+namespace recon
+{
+
+/// A three-dimensional triangulation as flat arrays, without CGAL's types.
+struct Triangulation
+{
+    static constexpr int infinite = -1;
+
+    struct Cell
+    {
+        std::array<int, 4> vertices;   ///< Indices of the input points; `infinite` for the infinite vertex.
+        std::array<int, 4> neighbours; ///< Neighbour i lies opposite vertex i.
+
+        /// Position of vertex v in the cell, 4 if it is none of its vertices.
+        int position_of(int v) const
+        {
+            int i = 0;
+            while (i < 4 && vertices[i] != v)
+                ++i;
+            return i;
+        }
+    };
+
+    /// Positively oriented: vertex 3 sees 0, 1, 2 counter-clockwise from outside the cell. Finite cells come first.
+    std::vector<Cell> cells;
+    int finite_cells = 0;
+    /// Per finite cell the point of equal power to its vertices (Delaunay: its circumcentre): a vertex of the Voronoi or
+    /// power diagram. Computed in double; cells flatter than that resolves have it at their centroid.
+    Points centres;
+
+    bool is_finite(int cell) const { return cell < finite_cells; }
+
+    /// Cells around the edge from vertex a to vertex b of `cell` in cyclic order, counter-clockwise seen from b. Includes
+    /// infinite ones. Replaces the content of `ring`.
+    void list_ring(int cell, int a, int b, std::vector<int>& ring) const;
+};
+
+/// For each vertex the finite and infinite cells at it, as compressed rows: cells of v are cell[first[v]..first[v + 1]).
+struct CellsAtVertices
+{
+    std::vector<int> first;
+    std::vector<int> cell;
+};
+CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count);
+
+/// Point of equal power to four weighted points, in double. \returns false if they are too flat for that.
+bool find_power_centre(const std::array<Point, 4>& points, const std::array<double, 4>& weights, Point& centre);
+
+} // namespace recon

@@ -1,0 +1,120 @@
+#include <recon/delaunay.h>
+#include <recon/errors.h>
+#include <recon/power_diagram.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+using namespace recon;
+
+namespace
+{
+
+double power(const Point& x, const Ball& ball) { return (x - ball.centre).squaredNorm() - ball.radius * ball.radius; }
+
+std::vector<Ball> random_balls(int n)
+{
+    const Points centres = shapes::with_noise(shapes::sphere(n, 1, 3).points, 0.3, 4);
+    std::vector<Ball> balls;
+    for (int i = 0; i < n; ++i)
+        balls.push_back({centres[i], 0.05 + 0.2 * (i % 7) / 7.0});
+    return balls;
+}
+
+void expect_sound(const Triangulation& t)
+{
+    for (int c = 0; c < int(t.cells.size()); ++c)
+        for (int i = 0; i < 4; ++i)
+        {
+            const auto& neighbour = t.cells[t.cells[c].neighbours[i]];
+            EXPECT_EQ(std::count(neighbour.neighbours.begin(), neighbour.neighbours.end(), c), 1);
+            for (int k = 0; k < 4; ++k)
+                EXPECT_EQ(neighbour.position_of(t.cells[c].vertices[k]) < 4, k != i);
+        }
+}
+
+} // namespace
+
+TEST(TriangulateDelaunay, HasEmptyCircumspheres)
+{
+    Points points = shapes::with_noise(shapes::sphere(300, 1, 1).points, 0.05, 2);
+    points.push_back(points[17]); // a duplicate does not appear
+    const Triangulation t = triangulate_delaunay(points);
+    expect_sound(t);
+    std::set<int> used;
+    for (int c = 0; c < t.finite_cells; ++c)
+    {
+        const auto& cell = t.cells[c];
+        used.insert(cell.vertices.begin(), cell.vertices.end());
+        const double radius = (points[cell.vertices[0]] - t.centres[c]).norm();
+        for (const int v : cell.vertices)
+            EXPECT_NEAR((points[v] - t.centres[c]).norm(), radius, 1e-6 * radius);
+        for (const Point& p : points)
+            EXPECT_GT((p - t.centres[c]).norm(), radius * (1 - 1e-6));
+    }
+    EXPECT_EQ(used.size(), 300u);
+}
+
+TEST(TriangulateDelaunay, StopsWhenAsked)
+{
+    const Progress progress([](double, const std::string&) { return false; });
+    EXPECT_THROW(triangulate_delaunay(shapes::sphere(50, 1, 1).points, progress), Cancelled);
+}
+
+TEST(PowerDiagram, CentresHaveTheLeastPowerToTheirOwnBalls)
+{
+    const std::vector<Ball> balls = random_balls(200);
+    PowerDiagram diagram(balls);
+    std::set<int> present;
+    for (int b = 0; b < int(balls.size()); ++b)
+        present.insert(b);
+    for (const std::vector<int>& removed : {std::vector<int>{}, std::vector<int>{3, 50, 51, 52, 120}})
+    {
+        diagram.remove(removed);
+        for (const int b : removed)
+            present.erase(b);
+        const Triangulation t = diagram.triangulation();
+        expect_sound(t);
+        for (int c = 0; c < t.finite_cells; ++c)
+        {
+            const Point centre = diagram.exact_centre(t.cells[c]);
+            const double size = 1 + centre.norm();
+            EXPECT_LT((centre - t.centres[c]).norm(), 1e-6 * size * size);
+            const double own = power(centre, balls[t.cells[c].vertices[0]]);
+            for (const int b : present)
+            {
+                const double difference = power(centre, balls[b]) - own;
+                EXPECT_LT(t.cells[c].position_of(b) < 4 ? std::abs(difference) : -difference, 1e-6 * size * size);
+            }
+            for (const int v : t.cells[c].vertices)
+                EXPECT_TRUE(present.count(v));
+        }
+    }
+}
+
+TEST(Triangulation, RingsGoRoundTheirEdge)
+{
+    const Triangulation t = triangulate_delaunay(shapes::with_noise(shapes::sphere(100, 1, 1).points, 0.3, 2));
+    std::vector<int> ring;
+    const CellsAtVertices at = list_cells_at_vertices(t, 100);
+    for (int c = 0; c < t.finite_cells; c += 5)
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+            {
+                if (i == j)
+                    continue;
+                const int a = t.cells[c].vertices[i], b = t.cells[c].vertices[j];
+                t.list_ring(c, a, b, ring);
+                std::set<int> expected;
+                for (int k = at.first[a]; k < at.first[a + 1]; ++k)
+                    if (t.cells[at.cell[k]].position_of(b) < 4)
+                        expected.insert(at.cell[k]);
+                EXPECT_EQ(std::set<int>(ring.begin(), ring.end()), expected);
+                EXPECT_EQ(ring.size(), expected.size());
+            }
+}
