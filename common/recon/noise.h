@@ -12,12 +12,13 @@ namespace recon
 /// Options of estimate_noise().
 struct NoiseOptions
 {
-    int seeds = 0;   ///< Places at which to estimate [count], >= 0. 0 = automatic, 1,000 to 3,000 by the number of points.
+    int seeds =
+        0; ///< Places at which to estimate [count], >= 0. 0 = automatic, 1,000 to 3,000 by the number of points.
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
-/// Local noise and density of a cloud that samples a surface, at seeds spread over it. Lengths are in input units. Copies
-/// share their data; queries may run on many threads at once.
+/// Local noise and density of a cloud that samples a surface, at seeds spread over it. Lengths are in input units.
+/// Copies share their data; queries may run on many threads at once.
 class NoiseEstimate
 {
 public:
@@ -42,11 +43,12 @@ private:
     std::shared_ptr<const Data> data_;
 };
 
-/// Estimates noise and density without normals: around each seed the scale is enlarged until the neighbourhood is clearly
-/// wider than what a quadric leaves unexplained, so that it is a piece of surface and not the inside of a slab of noise;
-/// medians over neighbouring seeds suppress outliers. Equal points count once. Does not depend on the order of the points.
-/// With noise far below the spacing the value tells how far the points stray from smooth quadrics instead.
-/// \throws InvalidInput for no points, a point that is not finite or an option out of range. \throws Cancelled.
+/// Estimates noise and density without normals: around each seed the scale is enlarged until the neighbourhood is
+/// clearly wider than what a quadric leaves unexplained, so that it is a piece of surface and not the inside of a slab
+/// of noise; medians over neighbouring seeds suppress outliers. Equal points count once. Does not depend on the order
+/// of the points. With noise far below the spacing the value tells how far the points stray from smooth quadrics
+/// instead. \throws InvalidInput for no points, a point that is not finite or an option out of range. \throws
+/// Cancelled.
 NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options = {}, const Progress& progress = {});
 
 } // namespace recon

@@ -1,0 +1,165 @@
+#include <recon/noise.h>
+
+#include <recon/errors.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace recon;
+
+namespace
+{
+
+constexpr double torus_diagonal = 3.7; // of the box around a torus 1 + 0.3, within 1 %
+
+Points noisy_torus(int n, double percent, std::uint64_t seed)
+{
+    return shapes::with_noise(shapes::torus(n, 1, 0.3, seed).points, percent / 100 * torus_diagonal, seed + 1);
+}
+
+} // namespace
+
+TEST(EstimateNoise, FindsSigmaWithin15Percent)
+{
+    for (double percent : {0.05, 0.1, 0.2, 0.4, 0.7, 1.0})
+    {
+        const NoiseEstimate estimate = estimate_noise(noisy_torus(40000, percent, 3));
+        EXPECT_NEAR(estimate.median_sigma() / (percent / 100 * torus_diagonal), 1, 0.15) << percent << " %";
+    }
+}
+
+TEST(EstimateNoise, FindsDensityThroughTheNoise)
+{
+    const int n = 40000;
+    const double area = 4 * M_PI * M_PI * 1 * 0.3;
+    for (double percent : {0.0, 0.2, 0.7})
+    {
+        const double spacing = estimate_noise(noisy_torus(n, percent, 5)).median_spacing();
+        EXPECT_NEAR(spacing / std::sqrt(area / n), 1, 0.06) << percent << " %";
+    }
+}
+
+TEST(EstimateNoise, IsNearlyZeroWithoutNoise)
+{
+    for (int n : {2000, 20000})
+    {
+        const NoiseEstimate estimate = estimate_noise(shapes::torus(n, 1, 0.3, 8).points);
+        EXPECT_LT(estimate.median_sigma(), 0.1 * estimate.median_spacing()) << n;
+    }
+}
+
+TEST(EstimateNoise, FollowsNoiseThatVaries)
+{
+    // Half of the sphere is four times as noisy.
+    Points points = shapes::sphere(30000, 1, 11).points;
+    const Points fine = shapes::with_noise(points, 0.005, 12), coarse = shapes::with_noise(points, 0.02, 13);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = points[i].x() < 0 ? fine[i] : coarse[i];
+    const NoiseEstimate estimate = estimate_noise(points);
+    EXPECT_NEAR(estimate.sigma_at(Point(-1, 0, 0)), 0.005, 0.001);
+    EXPECT_NEAR(estimate.sigma_at(Point(1, 0, 0)), 0.02, 0.004);
+}
+
+TEST(EstimateNoise, FollowsDensityThatVaries)
+{
+    // Of the half x > 0 one point in ten.
+    Points points;
+    const Points all = shapes::sphere(60000, 1, 14).points;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (all[i].x() < 0 || i % 10 == 0)
+            points.push_back(all[i]);
+    const NoiseEstimate estimate = estimate_noise(points);
+    EXPECT_NEAR(estimate.spacing_at(Point(1, 0, 0)) / estimate.spacing_at(Point(-1, 0, 0)), std::sqrt(10), 0.3);
+}
+
+TEST(EstimateNoise, IsNotMovedByOutliersOrDuplicates)
+{
+    Points points = noisy_torus(20000, 0.3, 17);
+    const double before = estimate_noise(points).median_sigma();
+    shapes::Random random(18);
+    for (int i = 0; i < 1000; ++i)
+    {
+        const auto coordinate = [&] { return 3.0 * double(random() >> 11) * 0x1p-53 - 1.5; };
+        const double x = coordinate(), y = coordinate();
+        points.emplace_back(x, y, coordinate());
+    }
+    EXPECT_NEAR(estimate_noise(points).median_sigma() / before, 1, 0.05);
+
+    Points twice = points;
+    twice.insert(twice.end(), points.begin(), points.end());
+    EXPECT_EQ(estimate_noise(twice).median_sigma(), estimate_noise(points).median_sigma());
+}
+
+TEST(EstimateNoise, DoesNotDependOnOrderOrThreads)
+{
+    Points points = noisy_torus(5000, 0.3, 21);
+    NoiseOptions options;
+    options.threads = 1;
+    const NoiseEstimate one = estimate_noise(points, options);
+    std::reverse(points.begin(), points.end());
+    options.threads = 3;
+    const NoiseEstimate three = estimate_noise(points, options);
+    EXPECT_EQ(one.sigma(), three.sigma());
+    EXPECT_EQ(one.density(), three.density());
+}
+
+TEST(EstimateNoise, ScalesWithTheCloud)
+{
+    const Points points = noisy_torus(5000, 0.3, 23);
+    const NoiseEstimate unit = estimate_noise(points);
+    for (double scale : {1e-30, 1e30})
+    {
+        Points scaled = points;
+        for (Point& p : scaled)
+            p *= scale;
+        const NoiseEstimate estimate = estimate_noise(scaled);
+        EXPECT_NEAR(estimate.median_sigma() / scale / unit.median_sigma(), 1, 1e-6);
+        EXPECT_NEAR(estimate.median_spacing() / scale / unit.median_spacing(), 1, 1e-6);
+    }
+    Points moved = points;
+    for (Point& p : moved)
+        p += Vector(1e6, -5e6, 3e6);
+    EXPECT_NEAR(estimate_noise(moved).median_sigma() / unit.median_sigma(), 1, 1e-3);
+}
+
+TEST(EstimateNoise, SurvivesHostileClouds)
+{
+    const auto check = [](const Points& points, const char* what)
+    {
+        const NoiseEstimate estimate = estimate_noise(points);
+        ASSERT_GT(estimate.size(), 0) << what;
+        for (int i = 0; i < estimate.size(); ++i)
+        {
+            EXPECT_TRUE(std::isfinite(estimate.sigma()[i]) && estimate.sigma()[i] >= 0) << what;
+            EXPECT_TRUE(std::isfinite(estimate.density()[i]) && estimate.density()[i] > 0) << what;
+        }
+        EXPECT_GE(estimate.nearest_seed(Point(1e9, 0, 0)), 0) << what;
+    };
+    check({Point(1, 2, 3)}, "one point");
+    check(Points(50, Point(1, 2, 3)), "equal points");
+    for (int n : {2, 3, 5, 12, 40})
+        check(shapes::sphere(n, 1, 4).points, "few points");
+    Points line, grid;
+    for (int i = 0; i < 200; ++i)
+        line.emplace_back(i, 2 * i, 0);
+    check(line, "line");
+    for (int i = 0; i < 900; ++i)
+        grid.emplace_back(i % 30, i / 30, 0);
+    check(grid, "grid");
+    EXPECT_NEAR(estimate_noise(grid).median_sigma(), 0, 1e-6);
+    Points far = shapes::sphere(500, 1, 5).points;
+    far.emplace_back(1e9, 0, 0);
+    check(far, "far outlier");
+
+    EXPECT_THROW(estimate_noise({}), InvalidInput);
+    EXPECT_THROW(estimate_noise({Point(0, std::numeric_limits<double>::quiet_NaN(), 0)}), InvalidInput);
+    NoiseOptions options;
+    options.seeds = -1;
+    EXPECT_THROW(estimate_noise(grid, options), InvalidInput);
+    EXPECT_THROW(estimate_noise(grid, {}, Progress([](double, const std::string&) { return false; })), Cancelled);
+}

@@ -1,0 +1,54 @@
+#include <recon/spatial_order.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+using namespace recon;
+
+TEST(OrderSpatially, ListsDistinctPointsOnceWithTheirFirstIndex)
+{
+    Points points = shapes::sphere(300, 1, 1).points;
+    points.insert(points.end(), points.begin(), points.begin() + 100);
+    const SpatialOrder spatial = order_spatially(points);
+    ASSERT_EQ(spatial.order.size(), 300u);
+    EXPECT_EQ(*std::max_element(spatial.order.begin(), spatial.order.end()), 299);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ(points[spatial.order[spatial.representative[i]]], points[i]);
+}
+
+TEST(OrderSpatially, DoesNotDependOnTheOrderOfTheInput)
+{
+    Points points = shapes::torus(1000, 1, 0.3, 2).points;
+    const auto sorted = [](const Points& p)
+    {
+        Points result;
+        for (int i : order_spatially(p).order)
+            result.push_back(p[i]);
+        return result;
+    };
+    const Points before = sorted(points);
+    std::reverse(points.begin(), points.end());
+    EXPECT_EQ(sorted(points), before);
+}
+
+TEST(OrderSpatially, KeepsNeighboursTogether)
+{
+    const Points points = shapes::sphere(4096, 1, 3).points;
+    const SpatialOrder spatial = order_spatially(points);
+    double path = 0, unsorted = 0;
+    for (std::size_t i = 1; i < points.size(); ++i)
+    {
+        path += (points[spatial.order[i]] - points[spatial.order[i - 1]]).norm();
+        unsorted += (points[i] - points[i - 1]).norm();
+    }
+    EXPECT_LT(path, 0.1 * unsorted);
+}
+
+TEST(OrderSpatially, TakesEmptyAndEqualPoints)
+{
+    EXPECT_TRUE(order_spatially({}).order.empty());
+    EXPECT_EQ(order_spatially(Points(7, Point(1, 1, 1))).order, std::vector<int>{0});
+}
