@@ -13,6 +13,7 @@
 #include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
 
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -115,33 +116,63 @@ Triangulation PowerDiagram::triangulation() const
     return flat;
 }
 
-Point PowerDiagram::exact_centre(const Triangulation::Cell& cell) const
+namespace
 {
-    using Exact = CGAL::Exact_rational;
-    const Regular& r = *regular_;
-    const auto& v = cell.vertices;
-    Exact edge[3][3], right[3];
-    for (int i = 0; i < 3; ++i)
-    {
-        right[i] = Exact(r.weights[v[0]]) - Exact(r.weights[v[i + 1]]);
-        for (int k = 0; k < 3; ++k)
-        {
-            edge[i][k] = Exact(r.centres[v[i + 1]][k]) - Exact(r.centres[v[0]][k]);
-            right[i] += edge[i][k] * edge[i][k];
-        }
-    }
-    const auto minor = [&](int i, int j, int a, int b) -> Exact
-    { return edge[i][a] * edge[j][b] - edge[i][b] * edge[j][a]; };
-    const Exact determinant =
-        edge[0][0] * minor(1, 2, 1, 2) - edge[0][1] * minor(1, 2, 0, 2) + edge[0][2] * minor(1, 2, 0, 1);
-    Point centre = r.centres[v[0]];
-    for (int k = 0; k < 3; ++k)
+
+/// Offset of the power centre from the first corner by Cramer's rule, in numbers of type Number.
+/// \param edges from the first corner to the other three; \param right |edge|^2 + weight of the first - weight of the other.
+/// \returns the determinant, by which `offset` is already divided unless it is 0.
+template <class Number>
+Number solve_power_centre(const Number (&edges)[3][3], const Number (&right)[3], Number (&offset)[3])
+{
+    const auto minor = [&](int i, int j, int a, int b) -> Number
+    { return edges[i][a] * edges[j][b] - edges[i][b] * edges[j][a]; };
+    const Number determinant =
+        edges[0][0] * minor(1, 2, 1, 2) - edges[0][1] * minor(1, 2, 0, 2) + edges[0][2] * minor(1, 2, 0, 1);
+    for (int k = 0; k < 3 && determinant != 0; ++k)
     {
         const int a = (k + 1) % 3, b = (k + 2) % 3;
-        const Exact numerator = right[0] * minor(1, 2, a, b) + right[1] * minor(2, 0, a, b) + right[2] * minor(0, 1, a, b);
-        centre[k] += CGAL::to_double(numerator / (2 * determinant));
+        offset[k] = (right[0] * minor(1, 2, a, b) + right[1] * minor(2, 0, a, b) + right[2] * minor(0, 1, a, b)) /
+                    (2 * determinant);
     }
-    return centre;
+    return determinant;
+}
+
+template <class Number>
+Number solve_power_centre(const Points& centres, const std::vector<double>& weights, const std::array<int, 4>& v,
+                          Number (&offset)[3])
+{
+    Number edges[3][3], right[3];
+    for (int i = 0; i < 3; ++i)
+    {
+        right[i] = Number(weights[v[0]]) - Number(weights[v[i + 1]]);
+        for (int k = 0; k < 3; ++k)
+        {
+            edges[i][k] = Number(centres[v[i + 1]][k]) - Number(centres[v[0]][k]);
+            right[i] += edges[i][k] * edges[i][k];
+        }
+    }
+    return solve_power_centre(edges, right, offset);
+}
+
+} // namespace
+
+Point PowerDiagram::exact_centre(const Triangulation::Cell& cell) const
+{
+    const Regular& r = *regular_;
+    const auto& v = cell.vertices;
+    Point centre = r.centres[v[0]];
+    // 113 bits settle all but a few; rationals are fifty times slower.
+    __float128 quick[3] = {};
+    const double determinant = double(solve_power_centre(r.centres, r.weights, v, quick));
+    double size = 1;
+    for (int i = 1; i < 4; ++i)
+        size *= (r.centres[v[i]] - r.centres[v[0]]).norm();
+    if (std::abs(determinant) > 1e-24 * size)
+        return centre + Vector(double(quick[0]), double(quick[1]), double(quick[2]));
+    CGAL::Exact_rational exact[3] = {0, 0, 0};
+    solve_power_centre(r.centres, r.weights, v, exact);
+    return centre + Vector(CGAL::to_double(exact[0]), CGAL::to_double(exact[1]), CGAL::to_double(exact[2]));
 }
 
 } // namespace recon

@@ -27,6 +27,21 @@ void Triangulation::list_ring(int cell, int a, int b, std::vector<int>& ring) co
     } while (c != cell);
 }
 
+bool Triangulation::list_ring_from_lowest(int cell, int a, int b, std::vector<int>& ring) const
+{
+    ring.clear();
+    int c = cell;
+    do
+    {
+        if (c < cell || c >= finite_cells)
+            return false;
+        ring.push_back(c);
+        const Cell& current = cells[c];
+        c = current.neighbours[next_around_edge[current.position_of(a)][current.position_of(b)]];
+    } while (c != cell);
+    return true;
+}
+
 CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count)
 {
     CellsAtVertices result;

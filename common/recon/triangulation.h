@@ -40,6 +40,10 @@ struct Triangulation
     /// Cells around the edge from vertex a to vertex b of `cell` in cyclic order, counter-clockwise seen from b. Includes
     /// infinite ones. Replaces the content of `ring`.
     void list_ring(int cell, int a, int b, std::vector<int>& ring) const;
+
+    /// The same if `cell` has the lowest index of the ring and all of it is finite; else returns false early. So that a
+    /// walk over all cells meets every bounded edge once.
+    bool list_ring_from_lowest(int cell, int a, int b, std::vector<int>& ring) const;
 };
 
 /// For each vertex the finite and infinite cells at it, as compressed rows: cells of v are cell[first[v]..first[v + 1]).

@@ -1,0 +1,174 @@
+#include <recon/crust_mesh.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <numeric>
+
+namespace recon
+{
+namespace
+{
+
+/// Smallest height over longest edge of a triangle: 0 for a degenerate one.
+double flatness(const Point& a, const Point& b, const Point& c)
+{
+    const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    return longest2 > 0 ? (b - a).cross(c - a).norm() / longest2 : 0;
+}
+
+/// Corner of a polygon from which a fan has the best worst triangle.
+int best_fan_corner(const Points& vertices, const std::vector<int>& polygon)
+{
+    const int n = int(polygon.size());
+    int best = 0;
+    double best_quality = -1;
+    for (int apex = 0; apex < n && n > 3; ++apex)
+    {
+        double worst = 1e300;
+        for (int k = 1; k + 1 < n; ++k)
+            worst = std::min(worst, flatness(vertices[polygon[apex]], vertices[polygon[(apex + k) % n]],
+                                             vertices[polygon[(apex + k + 1) % n]]));
+        if (worst > best_quality)
+        {
+            best_quality = worst;
+            best = apex;
+        }
+    }
+    return best;
+}
+
+void append_polygon(TriangleMesh& mesh, const std::vector<int>& polygon)
+{
+    const int n = int(polygon.size()), apex = best_fan_corner(mesh.vertices, polygon);
+    const auto corner = [&](int k) { return polygon[(apex + k) % n]; };
+    for (int k = 1; k + 1 < n; ++k)
+    {
+        mesh.triangles.push_back({corner(0), corner(k), corner(k + 1)});
+        mesh.faux_edges.push_back(std::uint8_t((k > 1 ? 1 : 0) | (k + 2 < n ? 4 : 0)));
+    }
+}
+
+} // namespace
+
+TriangleMesh extract_crust(const PowerDiagram& diagram, const Triangulation& regular, const std::vector<Ball>& balls,
+                           const std::vector<Side>& labels)
+{
+    TriangleMesh mesh;
+    std::vector<int> vertex_of_cell(std::size_t(regular.finite_cells), -1);
+    for (int c = 0; c < regular.finite_cells; ++c)
+    {
+        const auto& v = regular.cells[c].vertices;
+        const auto is_outer = [&](int i) { return labels[v[i]] == Side::outer; };
+        const int outer = is_outer(0) + is_outer(1) + is_outer(2) + is_outer(3);
+        if (outer == 0 || outer == 4)
+            continue;
+        vertex_of_cell[c] = int(mesh.vertices.size());
+        // Its power to the four balls should be equal; in flat cells rounding says otherwise.
+        Point centre = regular.centres[c];
+        const Ball& ball = balls[v[0]];
+        const double expected = (centre - ball.centre).squaredNorm() - ball.radius * ball.radius;
+        double error = 0;
+        for (int i = 1; i < 4; ++i)
+        {
+            const Ball& other = balls[v[i]];
+            error = std::max(error, std::abs((centre - other.centre).squaredNorm() - other.radius * other.radius - expected));
+        }
+        if (!(error <= 1e-6 * ball.radius * ball.radius))
+            centre = diagram.exact_centre(regular.cells[c]);
+        mesh.vertices.push_back(centre);
+    }
+
+    std::vector<int> ring, polygon;
+    for (int c = 0; c < regular.finite_cells; ++c)
+    {
+        if (vertex_of_cell[c] < 0)
+            continue;
+        const auto& v = regular.cells[c].vertices;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+            {
+                if (labels[v[i]] != Side::inner || labels[v[j]] != Side::outer)
+                    continue;
+                if (!regular.list_ring_from_lowest(c, v[i], v[j], ring))
+                    continue;
+                polygon.clear();
+                for (const int k : ring)
+                    polygon.push_back(vertex_of_cell[k]);
+                append_polygon(mesh, polygon);
+            }
+    }
+    return mesh;
+}
+
+MeshComponents find_components(const TriangleMesh& mesh)
+{
+    std::vector<int> parent(mesh.vertices.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i)
+    {
+        while (parent[i] != i)
+            i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    for (const auto& t : mesh.triangles)
+    {
+        parent[root(t[1])] = root(t[0]);
+        parent[root(t[2])] = root(t[0]);
+    }
+    MeshComponents result;
+    std::vector<int> number(mesh.vertices.size(), -1);
+    for (const auto& t : mesh.triangles)
+    {
+        int& component = number[root(t[0])];
+        if (component < 0)
+            component = result.count++;
+        result.of_triangle.push_back(component);
+    }
+    return result;
+}
+
+void keep_largest_component(TriangleMesh& mesh)
+{
+    const MeshComponents components = find_components(mesh);
+    if (components.count < 2)
+        return;
+    std::vector<double> volume(std::size_t(components.count), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    {
+        const auto& t = mesh.triangles[i];
+        volume[components.of_triangle[i]] +=
+            mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
+    }
+    const int largest = int(std::max_element(volume.begin(), volume.end()) - volume.begin());
+    TriangleMesh kept;
+    std::vector<int> number(mesh.vertices.size(), -1);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    {
+        if (components.of_triangle[i] != largest)
+            continue;
+        std::array<int, 3> triangle;
+        for (int k = 0; k < 3; ++k)
+        {
+            int& v = number[mesh.triangles[i][k]];
+            if (v < 0)
+            {
+                v = int(kept.vertices.size());
+                kept.vertices.push_back(mesh.vertices[mesh.triangles[i][k]]);
+            }
+            triangle[k] = v;
+        }
+        kept.triangles.push_back(triangle);
+        if (!mesh.faux_edges.empty())
+            kept.faux_edges.push_back(mesh.faux_edges[i]);
+    }
+    mesh = std::move(kept);
+}
+
+int euler_characteristic(const TriangleMesh& closed_mesh)
+{
+    // Closed: three edges for two triangles.
+    return int(closed_mesh.vertices.size()) - int(closed_mesh.triangles.size()) / 2;
+}
+
+} // namespace recon

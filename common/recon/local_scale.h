@@ -1,0 +1,40 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/neighbours.h>
+#include <recon/polar_balls.h>
+#include <recon/progress.h>
+
+namespace recon
+{
+
+/// Spacing of the samples around each of them, found at a subset and copied to the rest from the nearest of the subset.
+struct LocalSpacing
+{
+    std::vector<int> subset;  ///< At most 20,000 samples at an even stride.
+    std::vector<int> nearest; ///< Per sample: position in `subset` of the nearest of them.
+    std::vector<double> eighth; ///< Per member of the subset: distance to the 8th nearest sample.
+    std::vector<double> fine;   ///< sqrt(2 x mean squared distance to the 6 nearest).
+    std::vector<double> coarse; ///< The same with 30, median over the 9 nearest members.
+};
+
+/// \param search over `samples`.
+LocalSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads, const Progress& progress = {});
+
+/// What a ball must have to count as evidence, per sample.
+struct LocalScale
+{
+    std::vector<double> scale;     ///< s: radius of the disc that holds the samples the scale was taken from [length].
+    std::vector<double> density;   ///< lambda: samples per area [1/length^2].
+    std::vector<double> threshold; ///< c s: smallest polar ball kept [length].
+    double median_cleanness = 0;   ///< Median of the share of clean samples around a sample: above 0.7 the cloud is clean.
+};
+
+/// The scale at each sample: fine where most samples around have two long opposite poles (noise below the spacing), coarse
+/// where few have.
+LocalScale choose_scale(const LocalSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles);
+
+/// The scale that assumes samples without noise, for points already projected onto a surface.
+LocalScale choose_fine_scale(const LocalSpacing& spacing);
+
+} // namespace recon

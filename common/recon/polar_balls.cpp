@@ -1,0 +1,100 @@
+#include <recon/polar_balls.h>
+
+namespace recon
+{
+namespace
+{
+
+/// Per sample, the farthest Voronoi vertex among those for which accept(sample, offset) holds.
+template <class Accept>
+void find_farthest(const Triangulation& delaunay, const Points& samples, int which, Poles& poles, Accept&& accept)
+{
+    std::vector<double> farthest(samples.size(), 0);
+    for (int c = 0; c < delaunay.finite_cells; ++c)
+        for (const int v : delaunay.cells[c].vertices)
+        {
+            const Vector offset = delaunay.centres[c] - samples[v];
+            const double squared = offset.squaredNorm();
+            if (squared > farthest[v] && accept(v, offset))
+            {
+                farthest[v] = squared;
+                poles.cells[v][which] = c;
+            }
+        }
+}
+
+} // namespace
+
+Poles find_poles(const Triangulation& delaunay, const Points& samples)
+{
+    Poles poles;
+    poles.cells.assign(samples.size(), {Poles::none, Poles::none});
+    find_farthest(delaunay, samples, 0, poles, [](int, const Vector&) { return true; });
+    const auto opposes_first = [&](int v, const Vector& offset)
+    { return offset.dot(delaunay.centres[poles.cells[v][0]] - samples[v]) < 0; };
+    find_farthest(delaunay, samples, 1, poles, opposes_first);
+    return poles;
+}
+
+Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samples, const Vectors& normals)
+{
+    Poles poles;
+    poles.cells.assign(samples.size(), {Poles::none, Poles::none});
+    const int oriented = int(normals.size());
+    find_farthest(delaunay, samples, 0, poles,
+                  [&](int v, const Vector& offset) { return v >= oriented || offset.dot(normals[v]) > 0; });
+    find_farthest(delaunay, samples, 1, poles,
+                  [&](int v, const Vector& offset)
+                  {
+                      const Vector direction =
+                          v < oriented ? normals[v] : Vector(delaunay.centres[poles.cells[v][0]] - samples[v]);
+                      return offset.dot(direction) < 0;
+                  });
+    return poles;
+}
+
+void append_box_corners(Points& samples)
+{
+    for (int corner = 0; corner < box_corner_count; ++corner)
+        samples.emplace_back(corner & 1 ? 2.5 : -2.5, corner & 2 ? 2.5 : -2.5, corner & 4 ? 2.5 : -2.5);
+}
+
+PolarBalls keep_polar_balls(const Triangulation& delaunay, const Points& samples, const Poles& poles,
+                            const std::function<bool(double radius, const std::array<int, 4>& touched)>& keep)
+{
+    PolarBalls result;
+    result.of_sample.assign(samples.size(), {Poles::none, Poles::none});
+    constexpr int unseen = -2, dropped = -1;
+    std::vector<int> ball_of_cell(std::size_t(delaunay.finite_cells), unseen);
+    const int first_corner = int(samples.size()) - box_corner_count;
+    // Corners first: their balls are kept whatever their size.
+    for (int step = 0; step < int(samples.size()); ++step)
+    {
+        const int v = step < box_corner_count ? first_corner + step : step - box_corner_count;
+        for (int side = 0; side < 2; ++side)
+        {
+            const int c = poles.cells[v][side];
+            if (c == Poles::none)
+                continue;
+            int& ball = ball_of_cell[c];
+            if (ball == unseen)
+            {
+                const auto& touched = delaunay.cells[c].vertices;
+                const double radius = (delaunay.centres[c] - samples[touched[0]]).norm();
+                const bool is_outside = v >= first_corner;
+                ball = dropped;
+                if (is_outside || keep(radius, touched))
+                {
+                    ball = int(result.balls.size());
+                    result.balls.push_back({delaunay.centres[c], radius});
+                    result.touched.push_back(touched);
+                    result.is_outside.push_back(is_outside);
+                }
+            }
+            result.of_sample[v][side] = ball;
+        }
+    }
+    return result;
+}
+
+} // namespace recon

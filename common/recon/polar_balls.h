@@ -1,0 +1,48 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/power_diagram.h>
+#include <recon/triangulation.h>
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace recon
+{
+
+/// The poles of each sample (Amenta and Bern 1999; Mederos et al. 2005, algorithm 4.1 step 2): the two Voronoi vertices of
+/// its cell farthest from it, one on either side. -1: there is none.
+struct Poles
+{
+    static constexpr int none = -1;
+    std::vector<std::array<int, 2>> cells; ///< Per sample: Delaunay cells dual to the first and the second pole.
+};
+
+/// First pole: the farthest Voronoi vertex. Second: the farthest in the half space away from the first.
+Poles find_poles(const Triangulation& delaunay, const Points& samples);
+
+/// With normals: first pole = farthest Voronoi vertex on the outer side, second = farthest on the inner side.
+/// Samples beyond the normals (the corners of the box) get poles as without.
+Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samples, const Vectors& normals);
+
+/// Polar balls that were kept. Many samples share one ball.
+struct PolarBalls
+{
+    std::vector<Ball> balls;
+    std::vector<std::array<int, 4>> touched;   ///< Per ball: the four samples on its boundary.
+    std::vector<std::array<int, 2>> of_sample; ///< Per sample: its kept balls (first, second pole) or Poles::none.
+    std::vector<char> is_outside;              ///< Per ball: polar ball of a corner of the bounding box.
+};
+
+/// Corners of the box that keeps every Voronoi cell of the samples bounded, +-2.5 in every coordinate (UnitFrame).
+/// Samples come first, then these 8.
+constexpr int box_corner_count = 8;
+void append_box_corners(Points& samples);
+
+/// Keeps the polar balls for which keep(radius, samples touched) holds, and those of the box corners (the last
+/// `box_corner_count` samples).
+PolarBalls keep_polar_balls(const Triangulation& delaunay, const Points& samples, const Poles& poles,
+                            const std::function<bool(double radius, const std::array<int, 4>& touched)>& keep);
+
+} // namespace recon

@@ -1,0 +1,342 @@
+#include <recon/signed_labelling.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <queue>
+
+namespace recon
+{
+namespace
+{
+
+/// Union-find in which each node knows whether its label equals its representative's.
+class ParityForest
+{
+public:
+    explicit ParityForest(int n) : parent_(std::size_t(n)), parity_(std::size_t(n), 0)
+    {
+        for (int i = 0; i < n; ++i)
+            parent_[i] = i;
+    }
+    /// Representative; `parity` is turned over for each difference on the way.
+    int find(int i, int& parity)
+    {
+        int root = i, total = 0;
+        while (parent_[root] != root)
+        {
+            total ^= parity_[root];
+            root = parent_[root];
+        }
+        parity ^= total;
+        while (parent_[i] != root && i != root)
+        {
+            const int next = parent_[i], rest = total ^ parity_[i];
+            parent_[i] = root;
+            parity_[i] = char(total);
+            total = rest;
+            i = next;
+        }
+        return root;
+    }
+    /// Both must be representatives.
+    void hang(int child, int parent, int parity)
+    {
+        parent_[child] = parent;
+        parity_[child] = char(parity);
+    }
+
+private:
+    std::vector<int> parent_;
+    std::vector<char> parity_;
+};
+
+/// Weights of the edges between clusters, by pair: open addressing, deletion by tombstone.
+class PairWeights
+{
+public:
+    explicit PairWeights(std::size_t expected)
+    {
+        std::size_t size = 16;
+        while (size < 3 * expected)
+            size *= 2;
+        slots_.resize(size);
+    }
+    /// Weight of the pair, null if it has none.
+    double* find(int a, int b)
+    {
+        const std::uint64_t key = key_of(a, b);
+        for (std::size_t i = slot_of(key); slots_[i].key != empty; i = (i + 1) & (slots_.size() - 1))
+            if (slots_[i].key == key)
+                return &slots_[i].weight;
+        return nullptr;
+    }
+    void insert(int a, int b, double weight)
+    {
+        if (4 * (used_ + 1) > 3 * slots_.size())
+            grow();
+        std::size_t i = slot_of(key_of(a, b));
+        while (slots_[i].key != empty)
+            i = (i + 1) & (slots_.size() - 1);
+        slots_[i] = {key_of(a, b), weight};
+        ++used_;
+    }
+    void erase(int a, int b)
+    {
+        const std::uint64_t key = key_of(a, b);
+        for (std::size_t i = slot_of(key); slots_[i].key != empty; i = (i + 1) & (slots_.size() - 1))
+            if (slots_[i].key == key)
+            {
+                slots_[i].key = tombstone;
+                return;
+            }
+    }
+
+private:
+    static constexpr std::uint64_t empty = ~std::uint64_t(0), tombstone = empty - 1;
+    struct Slot
+    {
+        std::uint64_t key = empty;
+        double weight = 0;
+    };
+    static std::uint64_t key_of(int a, int b)
+    {
+        return (std::uint64_t(std::uint32_t(std::min(a, b))) << 32) | std::uint32_t(std::max(a, b));
+    }
+    std::size_t slot_of(std::uint64_t key) const
+    {
+        key *= 0x9e3779b97f4a7c15u;
+        return std::size_t(key ^ (key >> 29)) & (slots_.size() - 1);
+    }
+    void grow()
+    {
+        std::vector<Slot> old(slots_.size() * 2);
+        old.swap(slots_);
+        used_ = 0;
+        for (const Slot& slot : old)
+            if (slot.key < tombstone)
+            {
+                std::size_t i = slot_of(slot.key);
+                while (slots_[i].key != empty)
+                    i = (i + 1) & (slots_.size() - 1);
+                slots_[i] = slot;
+                ++used_;
+            }
+    }
+    std::vector<Slot> slots_;
+    std::size_t used_ = 0;
+};
+
+/// Rows of neighbours with weights, one per node.
+struct Rows
+{
+    struct Entry
+    {
+        int node;
+        double weight;
+    };
+    std::vector<int> first;
+    std::vector<Entry> entries;
+
+    explicit Rows(const SignedGraph& graph) : first(std::size_t(graph.nodes) + 1, 0), entries(2 * graph.edges.size())
+    {
+        for (const SignedEdge& e : graph.edges)
+        {
+            ++first[e.a + 1];
+            ++first[e.b + 1];
+        }
+        for (int i = 0; i < graph.nodes; ++i)
+            first[i + 1] += first[i];
+        std::vector<int> next(first.begin(), first.end() - 1);
+        for (const SignedEdge& e : graph.edges)
+        {
+            entries[next[e.a]++] = {e.b, e.weight};
+            entries[next[e.b]++] = {e.a, e.weight};
+        }
+    }
+    /// Weight that agrees with the node's label minus weight that does not.
+    double agreement(int node, const std::vector<Side>& labels) const
+    {
+        double sum = 0;
+        for (int k = first[node]; k < first[node + 1]; ++k)
+            sum += labels[entries[k].node] == labels[node] ? entries[k].weight : -entries[k].weight;
+        return sum;
+    }
+};
+
+struct Candidate
+{
+    double strength; ///< |weight| when it was queued
+    int a, b;
+    bool operator<(const Candidate& other) const
+    {
+        if (strength != other.strength)
+            return strength < other.strength;
+        return a != other.a ? a > other.a : b > other.b; // a fixed order among equals
+    }
+};
+
+} // namespace
+
+std::vector<Side> label_by_contraction(const SignedGraph& graph)
+{
+    const int n = graph.nodes;
+    ParityForest forest(n);
+    int root = -1;
+    const auto join = [&](int a, int b)
+    {
+        int ignored = 0;
+        a = forest.find(a, ignored);
+        b = forest.find(b, ignored);
+        if (a != b)
+            forest.hang(std::max(a, b), std::min(a, b), 0);
+    };
+    for (int i = 0; i < n; ++i)
+        if (graph.is_root[i])
+        {
+            root = root < 0 ? i : root;
+            join(root, i);
+        }
+    for (const auto& pair : graph.merged)
+        join(pair[0], pair[1]);
+
+    // The graph between clusters. Neighbour lists may name pairs that are gone; the weights know.
+    std::vector<SignedEdge> sorted;
+    sorted.reserve(graph.edges.size());
+    for (const SignedEdge& e : graph.edges)
+    {
+        int parity = 0;
+        const int a = forest.find(e.a, parity), b = forest.find(e.b, parity);
+        if (a != b)
+            sorted.push_back({std::min(a, b), std::max(a, b), parity ? -e.weight : e.weight});
+    }
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const SignedEdge& x, const SignedEdge& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+    PairWeights weights(sorted.size());
+    std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(n));
+    std::vector<Candidate> initial;
+    for (std::size_t i = 0; i < sorted.size();)
+    {
+        const int a = sorted[i].a, b = sorted[i].b;
+        double sum = 0;
+        for (; i < sorted.size() && sorted[i].a == a && sorted[i].b == b; ++i)
+            sum += sorted[i].weight;
+        weights.insert(a, b, sum);
+        neighbours[a].push_back(b);
+        neighbours[b].push_back(a);
+        initial.push_back({std::abs(sum), a, b});
+    }
+    std::priority_queue<Candidate> queue(std::less<Candidate>(), std::move(initial));
+    while (!queue.empty())
+    {
+        const Candidate top = queue.top();
+        queue.pop();
+        const double* weight = weights.find(top.a, top.b);
+        if (!weight || std::abs(*weight) != top.strength || top.strength == 0)
+            continue;
+        const int parity = *weight < 0 ? 1 : 0;
+        const bool a_has_more = neighbours[top.a].size() >= neighbours[top.b].size();
+        const int keep = a_has_more ? top.a : top.b, gone = a_has_more ? top.b : top.a;
+        weights.erase(keep, gone);
+        forest.hang(gone, keep, parity);
+        for (const int other : neighbours[gone])
+        {
+            const double* found = weights.find(gone, other);
+            if (!found)
+                continue;
+            const double moved = parity ? -*found : *found;
+            weights.erase(gone, other);
+            double sum = moved;
+            if (double* present = weights.find(keep, other))
+                sum = *present += moved;
+            else
+            {
+                weights.insert(keep, other, moved);
+                neighbours[keep].push_back(other);
+                neighbours[other].push_back(keep);
+            }
+            queue.push({std::abs(sum), std::min(keep, other), std::max(keep, other)});
+        }
+        std::vector<int>().swap(neighbours[gone]);
+    }
+
+    std::vector<Side> labels(std::size_t(n), Side::inner);
+    int root_parity = 0;
+    const int root_cluster = root < 0 ? -1 : forest.find(root, root_parity);
+    for (int i = 0; i < n; ++i)
+    {
+        int parity = root_parity;
+        if (forest.find(i, parity) == root_cluster)
+            labels[i] = parity ? Side::inner : Side::outer;
+    }
+    improve_labels(graph, labels);
+    return labels;
+}
+
+void improve_labels(const SignedGraph& graph, std::vector<Side>& labels)
+{
+    // Merged pairs are held together by their edges' weight alone here; it is large.
+    const Rows rows(graph);
+    std::queue<int> waiting;
+    std::vector<char> is_waiting(std::size_t(graph.nodes), 1);
+    for (int i = 0; i < graph.nodes; ++i)
+        waiting.push(i);
+    // Each flip lowers the energy, so this ends; rounding could make two flips undo each other for ever.
+    for (long long budget = 20ll * graph.nodes; !waiting.empty() && budget > 0; --budget)
+    {
+        const int i = waiting.front();
+        waiting.pop();
+        is_waiting[i] = 0;
+        if (graph.is_root[i] || !(rows.agreement(i, labels) < -1e-9))
+            continue;
+        labels[i] = labels[i] == Side::inner ? Side::outer : Side::inner;
+        for (int k = rows.first[i]; k < rows.first[i + 1]; ++k)
+        {
+            const int other = rows.entries[k].node;
+            if (!is_waiting[other])
+            {
+                is_waiting[other] = 1;
+                waiting.push(other);
+            }
+        }
+    }
+}
+
+std::vector<double> measure_margins(const SignedGraph& graph, const std::vector<Side>& labels)
+{
+    const Rows rows(graph);
+    std::vector<double> margins(std::size_t(graph.nodes), 1);
+    for (int i = 0; i < graph.nodes; ++i)
+    {
+        double total = 0;
+        for (int k = rows.first[i]; k < rows.first[i + 1]; ++k)
+            total += std::abs(rows.entries[k].weight);
+        if (total > 0)
+            margins[i] = rows.agreement(i, labels) / total;
+    }
+    return margins;
+}
+
+Violation measure_violated_repulsion(const std::vector<SignedEdge>& edges, const std::vector<Side>& labels)
+{
+    Violation result;
+    for (const SignedEdge& e : edges)
+        if (e.weight < 0)
+        {
+            result.total -= e.weight;
+            if (labels[e.a] == labels[e.b])
+                result.violated -= e.weight;
+        }
+    return result;
+}
+
+double measure_energy(const SignedGraph& graph, const std::vector<Side>& labels)
+{
+    double energy = 0;
+    for (const SignedEdge& e : graph.edges)
+        if ((labels[e.a] == labels[e.b]) != (e.weight > 0))
+            energy += std::abs(e.weight);
+    return energy;
+}
+
+} // namespace recon

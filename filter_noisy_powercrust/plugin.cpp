@@ -1,0 +1,82 @@
+#include "reconstruct.h"
+
+#include <meshlab/filter_spec.h>
+
+namespace
+{
+
+struct Options : recon::NoisyPowerCrustOptions
+{
+    bool selected_only = false;
+};
+
+plugin::ParameterTable<Options> table()
+{
+    return plugin::ParameterTable<Options>()
+        .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
+                "Polar balls smaller than this are dropped. It should lie above the noise and below the thinnest part of the "
+                "shape. 0: chosen automatically and locally.")
+        .length("noise", &Options::noise, "Noise",
+                "Standard deviation of the noise of the points. The local scale follows from it and from the spacing of the "
+                "points. 0: estimated from the points.")
+        .number("deep_intersection", &Options::deep_intersection, "Deep intersection",
+                "Above 0: neighbouring balls whose intersection is deeper than this (0..1) are put on one side of the "
+                "surface, as in the paper. 0: intersections are weighed by the samples around them.")
+        .choice("keep_components", &Options::keep_components, {"largest", "all"}, "Keep components",
+                "Stray shells around outliers are dropped by keeping only the component that encloses the largest volume.")
+        .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
+        .count("threads", &Options::threads, "Threads",
+               "Number of threads, 0: one per core. The result does not depend on it.");
+}
+
+plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options& options, const recon::Progress& progress)
+{
+    const std::vector<int> used = plugin::vertices_to_use(layer, options.selected_only);
+    recon::NoisyPowerCrust crust =
+        recon::reconstruct_noisy_power_crust(plugin::pick(layer.points, used), options, progress);
+
+    plugin::FilterResult result;
+    result.values = {
+        {"points_used", crust.points_used},
+        {"spacing", crust.spacing},
+        {"noise", crust.noise},
+        {"smallest_ball", crust.smallest_ball},
+        {"balls_kept", crust.balls_kept},
+        {"violated_votes", crust.violated_votes},
+        {"components", crust.components},
+        {"euler_characteristic", crust.euler_characteristic},
+        {"genus", crust.genus},
+    };
+    for (const auto& [phase, seconds] : crust.seconds)
+        result.values.emplace_back(plugin::key_of_seconds(phase), seconds);
+    result.warnings = std::move(crust.warnings);
+
+    plugin::NewLayer surface;
+    surface.name = layer.name + " noisy power crust";
+    surface.mesh = std::move(crust.mesh);
+    surface.source = plugin::pick(used, crust.nearest_sample);
+    result.new_layers.push_back(std::move(surface));
+    return result;
+}
+
+} // namespace
+
+plugin::PluginSpec plugin::describe_plugin()
+{
+    FilterSpec filter;
+    filter.name = "Surface Reconstruction: Noisy Power Crust";
+    filter.python_name = "generate_surface_reconstruction_noisy_power_crust";
+    filter.info =
+        "Makes a <b>closed surface</b> from points that are <b>noisy</b> and have <b>no normals</b>. The surface is the "
+        "boundary between the power cells of polar balls inside and outside of the shape; balls that the noise has made are "
+        "dropped, and the samples vote which of the others are inside. The result is a closed, outward oriented 2-manifold: "
+        "holes of the scan are closed. The noise, the spacing and the smallest ball are estimated from the points.<br>"
+        "Colour and quality are taken from the nearest point.<br><br>"
+        "See:<br><i>B. Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br>"
+        "<b>\"Surface Reconstruction from Noisy Point Clouds\"</b><br>"
+        "Eurographics Symposium on Geometry Processing 2005.<br>";
+    filter.category = Category::remeshing | Category::point_set;
+    filter.effects = Effect::makes_layer;
+    filter.compute_with(table(), reconstruct);
+    return {"Noisy Power Crust", {filter}};
+}
