@@ -1,0 +1,130 @@
+// Grid B with defaults only: RMS and largest distance to the true mesh after projection, orientation, CPU time.
+// amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--save folder] [--phases]
+#include "bare_delaunay.h"
+#include "mesh_distance.h"
+#include "models.h"
+
+#include <filter_amls/project.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <sstream>
+
+using namespace recon;
+
+namespace
+{
+
+std::vector<std::string> split(const std::string& list)
+{
+    std::vector<std::string> words;
+    std::stringstream in(list);
+    for (std::string word; std::getline(in, word, ',');)
+        words.push_back(word);
+    return words;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    if (argc < 2)
+    {
+        std::fprintf(stderr,
+                     "usage: %s <model folder> [--seeds s,...] [--models m,...] [--sigmas percent,...] "
+                     "[--threads n] [--save folder] [--phases]\n",
+                     argv[0]);
+        return 2;
+    }
+    const std::string folder = argv[1];
+    std::vector<std::string> names = benchmarks::grid_b, sigmas = {"0.1", "0.2", "0.4"}, seeds = {"11"};
+    std::string save;
+    bool phases = false;
+    int threads = 1;
+    for (int i = 2; i < argc; ++i)
+    {
+        const std::string option = argv[i];
+        if (option == "--phases")
+            phases = true;
+        else if (i + 1 < argc)
+        {
+            const std::string value = argv[++i];
+            if (option == "--seeds")
+                seeds = split(value);
+            else if (option == "--models")
+                names = split(value);
+            else if (option == "--sigmas")
+                sigmas = split(value);
+            else if (option == "--threads")
+                threads = std::stoi(value);
+            else if (option == "--save")
+                save = value;
+        }
+    }
+
+    std::printf(
+        "model                 sigma%% seed  points  rms1e-6   max1e-3  input   oriented  noise%%  rho_e  width%%  "
+        "outl  fell  noconv  iter  neigh  worse   cpu   x Delaunay\n");
+    for (const std::string& name : names)
+    {
+        const benchmarks::Model model = benchmarks::load_model(folder + "/" + name + ".ply");
+        const benchmarks::MeshDistance truth(model.mesh);
+        for (const std::string& sigma : sigmas)
+            for (const std::string& seed : seeds)
+            {
+                const Points points = benchmarks::noisy_cloud(model, std::stod(sigma), unsigned(std::stoi(seed)));
+                const double delaunay = benchmarks::time_bare_delaunay(points);
+                double cpu = benchmarks::cpu_seconds();
+                AmlsOptions options;
+                options.threads = threads;
+                const AmlsSurface surface = build_amls_surface(points, options);
+                const double built = benchmarks::cpu_seconds();
+                AmlsProjectionOptions project_options;
+                project_options.threads = threads;
+                const AmlsProjection projection = project_to_amls(points, surface, project_options);
+                const double projected = benchmarks::cpu_seconds() - built;
+                cpu = benchmarks::cpu_seconds() - cpu;
+
+                double squares = 0, largest = 0, before = 0, iterations = 0, neighbours = 0;
+                int right = 0, worse = 0;
+                for (std::size_t i = 0; i < points.size(); ++i)
+                {
+                    const auto nearest = truth.nearest(projection.points[i]);
+                    const double was = truth.nearest(points[i]).distance;
+                    squares += nearest.distance * nearest.distance;
+                    before += was * was;
+                    largest = std::max(largest, nearest.distance);
+                    const auto& t = model.mesh.triangles[nearest.triangle];
+                    const auto& v = model.mesh.vertices;
+                    right += (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).dot(projection.normals[i]) > 0;
+                    worse += nearest.distance > was + projection.spacings[i];
+                    iterations += projection.iterations[i];
+                    neighbours += projection.neighbours[i];
+                }
+                const double n = double(points.size()), d = model.diagonal;
+                const AmlsSurfaceReport& report = surface.report();
+                std::printf("%-22s %4s %4s %8zu %7.0f %8.2f %8.0f  %.5f  %.4f  %.2f  %.3f  %5d %5d %5d  %.2f  %4.0f  "
+                            "%4d  %5.2f  %5.2f\n",
+                            name.c_str(), sigma.c_str(), seed.c_str(), points.size(), 1e6 * std::sqrt(squares / n) / d,
+                            1e3 * largest / d, 1e6 * std::sqrt(before / n) / d, right / n, 100 * report.noise / d,
+                            report.rho_e, 100 * report.width / d, projection.count(ProjectionStatus::outlier),
+                            projection.count(ProjectionStatus::fell_back),
+                            projection.count(ProjectionStatus::not_converged), iterations / n, neighbours / n, worse,
+                            cpu, cpu / delaunay);
+                if (phases)
+                {
+                    for (const auto& phase : report.seconds)
+                        std::printf("    %s %.3f", phase.first.c_str(), phase.second);
+                    std::printf("    projection %.3f   cells %d anchors %d contradicted %.3f open %d\n", projected,
+                                report.cells, report.anchors, report.contradicted, int(report.open));
+                }
+                std::fflush(stdout);
+                if (!save.empty())
+                    benchmarks::save_ply(save + "/" + name + "_" + sigma + ".ply", projection.points,
+                                         projection.normals);
+            }
+    }
+}

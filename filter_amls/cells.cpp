@@ -1,0 +1,204 @@
+#include "cells.h"
+
+#include "runs.h"
+#include "voxel_table.h"
+#include "weighted_sums.h"
+
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recon
+{
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double cell_edge = 0.45;   // widths
+constexpr double anchor_edge = 0.5;  // widths
+constexpr double normal_cut = 2.3;   // normal widths
+constexpr double normal_points = 30; // effective points that a normal needs
+constexpr double isolated_mass = 0.15, isolated_radius = 3.7;
+constexpr int isolated_points = 6;
+constexpr double stray_mass = 0.5, stray_share = 0.3, stray_radius = 4.5; // radius in sigmas
+constexpr double run_radius = 0.5;                                        // widths
+constexpr int longest_run = 32;
+
+/// Width of the plane fits: somewhat below the width of the surface, or as few points as a normal needs.
+double normal_width(const LocalScale& s)
+{
+    return std::max(0.6 * s.width, std::min(0.8 * s.width, std::sqrt(normal_points / (2 * pi * s.density))));
+}
+
+} // namespace
+
+Cells average_cells(const Points& points, const LocalScales& scales, int threads, const Progress& progress)
+{
+    const std::size_t n = points.size();
+    std::vector<int> seed(n);
+    parallel_for(
+        n, threads, progress, [&](std::size_t i) { seed[i] = scales.seeds.nearest_seed(points[i]); }, 4096);
+
+    std::vector<int> level(scales.at_seed.size());
+    std::vector<double> inverse_edge(scales.at_seed.size());
+    for (std::size_t s = 0; s < level.size(); ++s)
+    {
+        level[s] = int(std::lround(2 * std::log2(cell_edge * scales.at_seed[s].width)));
+        inverse_edge[s] = VoxelTable::inverse_edge(level[s]);
+    }
+    Cells cells;
+    cells.cell_of_point.resize(n);
+    VoxelTable voxels(n / 2);
+    Vectors offsets; // from the first point, so that nothing cancels
+    std::vector<int> first;
+    for (std::size_t i = 0; i < n; ++i)
+    {
+        const int s = seed[i], c = voxels.find_or_add(points[i], level[s], inverse_edge[s]);
+        if (c == int(first.size()))
+        {
+            first.push_back(int(i));
+            offsets.push_back(Vector::Zero());
+            cells.counts.push_back(0);
+        }
+        offsets[c] += points[i] - points[first[c]];
+        cells.counts[c] += 1;
+        cells.cell_of_point[i] = c;
+    }
+    for (std::size_t c = 0; c < first.size(); ++c)
+    {
+        cells.means.push_back(points[first[c]] + offsets[c] / cells.counts[c]);
+        cells.scales.push_back(scales.at_seed[seed[first[c]]]);
+    }
+    return cells;
+}
+
+CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progress& progress)
+{
+    const int n = cells.size();
+    CellNormals result;
+    result.normals.assign(n, Vector::UnitZ());
+    result.feet = cells.means;
+    result.mass.assign(n, 0);
+    result.kinds.assign(n, CellKind::regular);
+
+    const NeighbourSearch search(cells.means);
+    const std::vector<Run> runs =
+        split_into_runs(cells.means, longest_run, [&](int i) { return run_radius * cells.scales[i].width; });
+    std::vector<std::uint8_t> few(n);
+    parallel_chunks(runs.size(), threads, 64, progress.part(0, 0.8, "Normals"),
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> found;
+                        Gathered gathered;
+                        for (std::size_t r = begin; r < end; ++r)
+                        {
+                            const Run& run = runs[r];
+                            double reach = 0;
+                            for (int c = run.begin; c < run.end; ++c)
+                                reach = std::max(reach, normal_cut * normal_width(cells.scales[c]) +
+                                                            2 * cells.scales[c].sigma);
+                            search.within(run.centre, run.radius + reach, found);
+                            gathered.gather(cells.means, cells.counts, found, run.centre);
+                            for (int c = run.begin; c < run.end; ++c)
+                            {
+                                const LocalScale& scale = cells.scales[c];
+                                const double h = normal_width(scale);
+                                Point foot = cells.means[c] - run.centre;
+                                WeightedPlane plane;
+                                for (int i = 0; i < 2; ++i)
+                                {
+                                    plane = fit_plane(gathered, foot, h, normal_cut);
+                                    foot += plane.normal * plane.normal.dot(plane.mean - foot);
+                                }
+                                result.normals[c] = plane.normal;
+                                result.feet[c] = run.centre + foot;
+                                const double slab = std::sqrt(1 + 2 * scale.sigma * scale.sigma / (h * h));
+                                result.mass[c] = plane.mass * slab / (pi * h * h * scale.density);
+                            }
+                        }
+                    });
+
+    parallel_chunks(std::size_t(n), threads, 1024, progress.part(0.8, 1, "Normals"),
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> found;
+                        for (std::size_t c = begin; c < end; ++c)
+                        {
+                            if (result.mass[c] >= isolated_mass)
+                                continue;
+                            search.within(cells.means[c], isolated_radius * cells.scales[c].width, found);
+                            double points = 0;
+                            for (int i : found)
+                                points += cells.counts[i];
+                            few[c] = points < isolated_points;
+                        }
+                    });
+    for (int c = 0; c < n; ++c)
+        if (few[c])
+            result.kinds[c] = CellKind::outlier;
+
+    // Strays take over from regular cells only, so the order in which they are found does not matter.
+    std::vector<int> better(n, -1);
+    parallel_chunks(std::size_t(n), threads, 1024, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> found;
+                        for (std::size_t c = begin; c < end; ++c)
+                        {
+                            if (few[c] || result.mass[c] >= stray_mass)
+                                continue;
+                            const double sigma = cells.scales[c].sigma;
+                            search.within(cells.means[c], stray_radius * sigma, found);
+                            double largest = 0, best = 0;
+                            for (int i : found)
+                            {
+                                if (few[i])
+                                    continue;
+                                largest = std::max(largest, result.mass[i]);
+                                const double squared = (cells.means[i] - cells.means[c]).squaredNorm();
+                                const double score = result.mass[i] * std::exp(-squared / (8 * sigma * sigma));
+                                if (score > best)
+                                {
+                                    best = score;
+                                    better[c] = i;
+                                }
+                            }
+                            if (result.mass[c] >= stray_share * largest)
+                                better[c] = -1;
+                        }
+                    });
+    for (int c = 0; c < n; ++c)
+        if (better[c] >= 0)
+            result.kinds[c] = CellKind::stray;
+    const Vectors normals = result.normals;
+    const Points feet = result.feet;
+    for (int c = 0; c < n; ++c)
+        if (better[c] >= 0)
+        {
+            result.normals[c] = normals[better[c]];
+            result.feet[c] = feet[better[c]];
+        }
+    return result;
+}
+
+std::vector<int> thin_to_anchors(const Cells& cells, const CellNormals& normals)
+{
+    std::vector<int> anchors;
+    VoxelTable voxels(cells.means.size() / 2);
+    for (int c = 0; c < cells.size(); ++c)
+    {
+        if (normals.kinds[c] != CellKind::regular)
+            continue;
+        const int voxel = voxels.find_or_add(normals.feet[c], anchor_edge * cells.scales[c].width);
+        if (voxel == int(anchors.size()))
+            anchors.push_back(c);
+        else if (normals.mass[c] > normals.mass[anchors[voxel]])
+            anchors[voxel] = c;
+    }
+    std::sort(anchors.begin(), anchors.end());
+    return anchors;
+}
+
+} // namespace recon

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "local_scales.h"
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace recon
+{
+
+/// Points averaged over small voxels: fewer, less noisy, evener than the points. Lengths in the unit of the points.
+struct Cells
+{
+    Points means;
+    std::vector<double> counts;     ///< Points per cell.
+    std::vector<LocalScale> scales; ///< Noise, density and width at each cell.
+    std::vector<int> cell_of_point; ///< Per point.
+
+    int size() const { return int(means.size()); }
+};
+
+/// Averages points over voxels of edge 0.45 widths, rounded to half octaves so that neighbouring places share a grid
+/// (recipe step 3). Cells come in the order of their first point.
+Cells average_cells(const Points& points, const LocalScales& scales, int threads, const Progress& progress = {});
+
+enum class CellKind : std::uint8_t
+{
+    regular,
+    stray,  ///< In the tails of the noise: takes normal and foot of a better neighbour, is no anchor.
+    outlier ///< Isolated: has no part in the surface.
+};
+
+/// Unsigned normals of cells (recipe step 4).
+struct CellNormals
+{
+    Vectors normals;          ///< Unit length.
+    Points feet;              ///< Of the means on the local plane.
+    std::vector<double> mass; ///< Weighted points found, relative to what a surface of that density has [1].
+    std::vector<CellKind> kinds;
+};
+CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progress& progress = {});
+
+/// Indices of the cells whose feet represent the others within voxels of half a width: those of largest mass (recipe
+/// step 5). Strays and outliers are never among them. Ascending.
+std::vector<int> thin_to_anchors(const Cells& cells, const CellNormals& normals);
+
+} // namespace recon

@@ -1,0 +1,278 @@
+#include "local_scales.h"
+
+#include "simd.h"
+#include "weighted_sums.h"
+
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace recon
+{
+namespace
+{
+
+using simd::Lanes;
+
+constexpr double pi = 3.14159265358979323846;
+constexpr int ladder = 7;
+constexpr double rung = 1.27;          // ratio of widths; 1.6 times the points
+constexpr double fewest_points = 16;   // effective points at the narrowest width
+constexpr double narrowest_sigmas = 2; // below it the neighbourhood is as thick as wide
+constexpr double quadric_cut = 2.6;    // widths
+constexpr double largest_step = 5;     // sigmas by which two heights differ at most
+constexpr int pooled_seeds = 40;
+constexpr double global_weight = 20; // seeds' worth of the mean over all seeds
+constexpr int smoothing_seeds = 15;
+constexpr int many_points = 1500; // beyond it an even subsample tells the risk
+/// A cloud without noise still needs a unit in which to weigh the bias [share of the spacing].
+constexpr double least_sigma = 0.01;
+
+/// Writes l = w (1, u, v, uu, uv, vv) . coefficients and returns {sum l z, sum l^2, sum l l0}.
+RECON_VECTOR_CLONES
+void sum_smoother(const double* pu, const double* pv, const double* pz, int n, double width, double cut,
+                  const double* coefficients, const double* reference, double* l, double* sums)
+{
+    const double inverse = 1 / width, limit = cut * cut;
+    Lanes height = {}, square = {}, product = {};
+    for (int i = 0; i < n; i += simd::lane_count)
+    {
+        const Lanes u = simd::load(pu + i) * inverse, v = simd::load(pv + i) * inverse, z = simd::load(pz + i);
+        const Lanes e = u * u + v * v + (z * inverse) * (z * inverse);
+        const Lanes w = e <= limit ? simd::exp_negative(e) : simd::zero();
+        const Lanes value = w * (coefficients[0] + coefficients[1] * u + coefficients[2] * v + coefficients[3] * u * u +
+                                 coefficients[4] * u * v + coefficients[5] * v * v);
+        simd::store(l + i, value);
+        height += value * z;
+        square += value * value;
+        product += value * simd::load(reference + i);
+    }
+    sums[0] = simd::sum(height);
+    sums[1] = simd::sum(square);
+    sums[2] = simd::sum(product);
+}
+
+/// Sums of w times the monomials up to the fourth degree.
+RECON_VECTOR_CLONES
+void sum_monomials(const double* pu, const double* pv, const double* pz, int n, double width, double cut, double* sums)
+{
+    const double inverse = 1 / width, limit = cut * cut;
+    Lanes total[15] = {};
+    for (int i = 0; i < n; i += simd::lane_count)
+    {
+        const Lanes u = simd::load(pu + i) * inverse, v = simd::load(pv + i) * inverse,
+                    z = simd::load(pz + i) * inverse;
+        const Lanes e = u * u + v * v + z * z;
+        const Lanes w = e <= limit ? simd::exp_negative(e) : simd::zero();
+        const Lanes wu = w * u, wv = w * v, wuu = wu * u, wuv = wu * v, wvv = wv * v;
+        total[0] += w;
+        total[1] += wu;
+        total[2] += wv;
+        total[3] += wuu;
+        total[4] += wuv;
+        total[5] += wvv;
+        total[6] += wuu * u;
+        total[7] += wuu * v;
+        total[8] += wvv * u;
+        total[9] += wvv * v;
+        total[10] += wuu * u * u;
+        total[11] += wuu * u * v;
+        total[12] += wuu * v * v;
+        total[13] += wvv * u * v;
+        total[14] += wvv * v * v;
+    }
+    for (int k = 0; k < 15; ++k)
+        sums[k] = simd::sum(total[k]);
+}
+
+using Risks = std::array<double, ladder>;
+
+/// Risk of each candidate at one seed, in units of the noise's variance.
+class RiskEstimator
+{
+public:
+    RiskEstimator(const Points& points, const NeighbourSearch& search, int share)
+        : points_(points), search_(search), share_(share)
+    {
+    }
+
+    Risks estimate(const Point& seed, double sigma, double narrowest)
+    {
+        std::array<double, ladder> widths;
+        for (int j = 0; j < ladder; ++j)
+            widths[j] = narrowest * std::pow(rung, j);
+        Risks risks{};
+        search_.within(seed, quadric_cut * widths[ladder - 1] + 2 * sigma, found_);
+        gathered_.gather(points_, {}, found_, seed);
+
+        Point centre = Point::Zero();
+        Vector normal = Vector::UnitZ();
+        const double width = widths[2];
+        for (int i = 0; i < 2; ++i)
+        {
+            const WeightedPlane plane = fit_plane(gathered_, centre, width, quadric_cut);
+            normal = plane.normal;
+            centre += normal * normal.dot(plane.mean - centre);
+        }
+        const TangentFrame first(normal);
+        const QuadricFit fit = fit_quadric(gathered_, centre, first, {width, quadric_cut});
+        if (fit.valid)
+        {
+            centre += fit.c[0] * normal;
+            normal = (normal - fit.c[1] / width * first.t1 - fit.c[2] / width * first.t2).normalized();
+        }
+        const TangentFrame frame(normal);
+        u_.resize(gathered_.x.size());
+        for (auto* values : {&v_, &z_, &l_, &l0_})
+            values->resize(gathered_.x.size());
+        for (std::size_t i = 0; i < u_.size(); ++i)
+        {
+            const Vector d = Point(gathered_.x[i], gathered_.y[i], gathered_.z[i]) - centre;
+            const bool padding = int(i) >= gathered_.size;
+            u_[i] = padding ? 1e10 : d.dot(frame.t1);
+            v_[i] = d.dot(frame.t2);
+            z_[i] = d.dot(normal);
+            l0_[i] = 0;
+        }
+
+        double height0 = 0, square0 = 0;
+        for (int j = 0; j < ladder; ++j)
+        {
+            double sums[3];
+            if (!smooth(widths[j], sums))
+            {
+                // Too few points for a quadric: no bias can be told, the variance is that of a single point.
+                risks[j] = 1;
+                continue;
+            }
+            if (j == 0)
+            {
+                l0_.swap(l_);
+                height0 = sums[0];
+                square0 = sums[1];
+                risks[0] = square0 / share_;
+                continue;
+            }
+            const double step = std::clamp((sums[0] - height0) / sigma, -largest_step, largest_step);
+            risks[j] = step * step - (sums[1] - 2 * sums[2] + square0) + sums[1] / share_;
+        }
+        return risks;
+    }
+
+private:
+    /// \returns {height at the foot, sum l^2, sum l l0} of the quadric smoother; fills l_.
+    bool smooth(double width, double* sums)
+    {
+        const int n = int(u_.size());
+        double s[15];
+        sum_monomials(u_.data(), v_.data(), z_.data(), n, width, quadric_cut, s);
+        if (!(s[0] > 0))
+            return false;
+        Eigen::Matrix<double, 6, 6> m;
+        m << s[0], s[1], s[2], s[3], s[4], s[5],   //
+            s[1], s[3], s[4], s[6], s[7], s[8],    //
+            s[2], s[4], s[5], s[7], s[8], s[9],    //
+            s[3], s[6], s[7], s[10], s[11], s[12], //
+            s[4], s[7], s[8], s[11], s[12], s[13], //
+            s[5], s[8], s[9], s[12], s[13], s[14];
+        for (int k = 1; k < 6; ++k)
+            m(k, k) += (k < 3 ? 1e-4 : 2e-3) * s[0];
+        const SmallCholesky<6> cholesky(m);
+        if (!cholesky.valid())
+            return false;
+        const Eigen::Matrix<double, 6, 1> c = cholesky.solve(Eigen::Matrix<double, 6, 1>::Unit(0));
+        sum_smoother(u_.data(), v_.data(), z_.data(), n, width, quadric_cut, c.data(), l0_.data(), l_.data(), sums);
+        return std::isfinite(sums[0]) && std::isfinite(sums[1]);
+    }
+
+    const Points& points_;
+    const NeighbourSearch& search_;
+    double share_;
+    std::vector<int> found_;
+    Gathered gathered_;
+    std::vector<double> u_, v_, z_, l_, l0_;
+};
+
+/// Position of the minimum on the ladder, between the rungs by a parabola.
+double find_minimum(const Risks& risks)
+{
+    const int j = int(std::min_element(risks.begin(), risks.end()) - risks.begin());
+    if (j == 0 || j == ladder - 1)
+        return j;
+    const double left = risks[j - 1], right = risks[j + 1], bend = left - 2 * risks[j] + right;
+    return bend > 0 ? j + std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : j;
+}
+
+} // namespace
+
+LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int threads, const Progress& progress)
+{
+    const int m = noise.size();
+    LocalScales result{noise, std::vector<LocalScale>(m)};
+    std::vector<double> narrowest(m);
+    double expected = 0;
+    for (int i = 0; i < m; ++i)
+    {
+        LocalScale& scale = result.at_seed[i];
+        scale.density = noise.density()[i];
+        scale.sigma = std::max(noise.sigma()[i], least_sigma / std::sqrt(scale.density));
+        narrowest[i] = std::max(std::sqrt(fewest_points / (2 * pi * scale.density)), narrowest_sigmas * scale.sigma);
+        const double radius = quadric_cut * narrowest[i] * std::pow(rung, ladder - 1);
+        expected += pi * radius * radius * scale.density / m;
+    }
+
+    const int share = std::max(1, int(expected / many_points));
+    Points sample;
+    if (share > 1)
+        for (std::size_t i = std::size_t(share) / 2; i < points.size(); i += std::size_t(share))
+            sample.push_back(points[i]);
+    const Points& used = share > 1 ? sample : points;
+    const NeighbourSearch search(used);
+    std::vector<Risks> risks(m);
+    parallel_chunks(std::size_t(m), threads, 32, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        RiskEstimator estimator(used, search, share);
+                        for (std::size_t i = begin; i < end; ++i)
+                            risks[i] = estimator.estimate(noise.seeds()[i], result.at_seed[i].sigma, narrowest[i]);
+                    });
+
+    Risks mean{};
+    for (const Risks& r : risks)
+        for (int j = 0; j < ladder; ++j)
+            mean[j] += r[j] / m;
+    const NeighbourSearch seed_search(noise.seeds());
+    std::vector<double> log_width(m);
+    parallel_for(std::size_t(m), threads, {},
+                 [&](std::size_t i)
+                 {
+                     int near[pooled_seeds];
+                     double squared[pooled_seeds];
+                     const int count = seed_search.nearest(noise.seeds()[i], pooled_seeds, near, squared);
+                     Risks pooled;
+                     for (int j = 0; j < ladder; ++j)
+                     {
+                         pooled[j] = global_weight * mean[j];
+                         for (int k = 0; k < count; ++k)
+                             pooled[j] += risks[near[k]][j];
+                     }
+                     log_width[i] = std::log(narrowest[i]) + find_minimum(pooled) * std::log(rung);
+                 });
+    parallel_for(std::size_t(m), threads, {},
+                 [&](std::size_t i)
+                 {
+                     int near[smoothing_seeds];
+                     double squared[smoothing_seeds];
+                     const int count = seed_search.nearest(noise.seeds()[i], smoothing_seeds, near, squared);
+                     double total = 0;
+                     for (int k = 0; k < count; ++k)
+                         total += log_width[near[k]];
+                     result.at_seed[i].width = std::exp(total / count);
+                 });
+    return result;
+}
+
+} // namespace recon

@@ -1,0 +1,343 @@
+#include "orient.h"
+
+#include <recon/delaunay.h>
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <numeric>
+
+namespace recon
+{
+namespace
+{
+
+constexpr double big_spacings = 3;     // a ball of this many spacings is fully trusted
+constexpr double box_half_width = 2.5; // diagonals
+constexpr double outside_weight = 2;   // of the tie between the infinite cells and the outside
+constexpr double opposite_weight = 0.98;
+constexpr double feature_spacings = 2; // poles below it are holes between the points, not the medial axis
+constexpr double feature_cosine = 0.8;
+constexpr int vote_rounds = 6;
+constexpr int vote_neighbours = 12;
+
+/// Constraint between two balls, or between a ball and the outside.
+struct Tie
+{
+    int a, b;
+    float weight;
+    bool opposite;
+};
+
+/// Union-find whose elements know their parity against the root.
+class ParityForest
+{
+public:
+    explicit ParityForest(int n) : parent_(n), parity_(n, 0) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+    int find(int i, int& parity)
+    {
+        int root = i, p = 0;
+        while (parent_[root] != root)
+        {
+            p ^= parity_[root];
+            root = parent_[root];
+        }
+        parity = p;
+        while (parent_[i] != root)
+        {
+            const int next = parent_[i], next_parity = p ^ parity_[i];
+            parent_[i] = root;
+            parity_[i] = std::uint8_t(p);
+            i = next;
+            p = next_parity;
+        }
+        return root;
+    }
+
+    void unite(int a, int b, int parity)
+    {
+        int pa, pb;
+        const int ra = find(a, pa), rb = find(b, pb);
+        if (ra == rb)
+            return;
+        // Lower root wins: not the shallowest tree, but the same one always.
+        const int high = std::max(ra, rb), low = std::min(ra, rb);
+        parent_[high] = low;
+        parity_[high] = std::uint8_t(pa ^ pb ^ parity);
+    }
+
+private:
+    std::vector<int> parent_;
+    std::vector<std::uint8_t> parity_;
+};
+
+/// The balls of a Delaunay triangulation and their ties.
+struct Balls
+{
+    Triangulation delaunay;
+    std::vector<double> radius; ///< Per finite cell.
+    std::vector<double> big;    ///< Per finite cell: how far to trust that it is no gap between samples [0..1].
+    /// Per point: farthest ball centre along and against the normal, as finite cells; -1 if there is none.
+    std::vector<int> outer, inner;
+};
+
+double intersection_cosine(double r1, double r2, double squared_distance)
+{
+    return (r1 * r1 + r2 * r2 - squared_distance) / (2 * r1 * r2);
+}
+
+Balls make_balls(const Points& points, const Vectors& normals, const std::vector<double>& spacing, int threads,
+                 const Progress& progress)
+{
+    const int n = int(points.size());
+    Points with_box = points;
+    for (int corner = 0; corner < 8; ++corner)
+        with_box.emplace_back(corner & 1 ? box_half_width : -box_half_width,
+                              corner & 2 ? box_half_width : -box_half_width,
+                              corner & 4 ? box_half_width : -box_half_width);
+    Balls balls;
+    balls.delaunay = triangulate_delaunay(with_box, progress);
+    const Triangulation& t = balls.delaunay;
+    balls.radius.resize(t.finite_cells);
+    balls.big.resize(t.finite_cells);
+    parallel_for(
+        std::size_t(t.finite_cells), threads, {},
+        [&](std::size_t c)
+        {
+            const auto& vertices = t.cells[c].vertices;
+            balls.radius[c] = (t.centres[c] - with_box[vertices[0]]).norm();
+            double local = 0;
+            int count = 0;
+            for (int v : vertices)
+                if (v < n)
+                {
+                    local += spacing[v];
+                    ++count;
+                }
+            balls.big[c] = count == 0 ? 1 : std::min(1.0, balls.radius[c] / (big_spacings * local / count));
+        },
+        4096);
+
+    balls.outer.assign(n, -1);
+    balls.inner.assign(n, -1);
+    std::vector<double> outer_distance(n, 0), inner_distance(n, 0);
+    for (int c = 0; c < t.finite_cells; ++c)
+        for (int v : t.cells[c].vertices)
+        {
+            if (v >= n)
+                continue;
+            const double squared = balls.radius[c] * balls.radius[c];
+            const bool out = (t.centres[c] - points[v]).dot(normals[v]) > 0;
+            double& farthest = out ? outer_distance[v] : inner_distance[v];
+            if (squared > farthest)
+            {
+                farthest = squared;
+                (out ? balls.outer : balls.inner)[v] = c;
+            }
+        }
+    return balls;
+}
+
+/// How well the direction from a point to a ball's centre agrees with a unit normal, in absolute value.
+double pole_cosine(const Balls& balls, const Points& points, const Vectors& normals, int v, int cell)
+{
+    return std::abs((balls.delaunay.centres[cell] - points[v]).dot(normals[v])) / std::max(balls.radius[cell], 1e-300);
+}
+
+std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals)
+{
+    const Triangulation& t = balls.delaunay;
+    const int outside = t.finite_cells;
+    std::vector<Tie> ties;
+    ties.reserve(2 * std::size_t(t.finite_cells) + points.size());
+    for (int c = 0; c < t.finite_cells; ++c)
+        for (int o : t.cells[c].neighbours)
+        {
+            if (!t.is_finite(o))
+                ties.push_back({outside, c, float(outside_weight), false});
+            else if (o > c)
+            {
+                const double cosine =
+                    intersection_cosine(balls.radius[c], balls.radius[o], (t.centres[c] - t.centres[o]).squaredNorm());
+                const double weight = cosine * std::min(balls.big[c], balls.big[o]);
+                if (weight > 0)
+                    ties.push_back({c, o, float(weight), false});
+            }
+        }
+    for (std::size_t v = 0; v < points.size(); ++v)
+    {
+        const int a = balls.outer[v], b = balls.inner[v];
+        if (a < 0 || b < 0)
+            continue;
+        const double weight =
+            opposite_weight *
+            std::min(pole_cosine(balls, points, normals, int(v), a), pole_cosine(balls, points, normals, int(v), b)) *
+            std::min(balls.big[a], balls.big[b]);
+        ties.push_back({a, b, float(weight), true});
+    }
+    return ties;
+}
+
+/// Side of each ball (1 = that of the outside) by the maximum spanning forest of the ties, and the share of weight
+/// violated.
+struct Labels
+{
+    std::vector<std::int8_t> side;
+    double contradicted = 0;
+};
+
+Labels label_balls(int balls, std::vector<Tie> ties, double opposite_factor)
+{
+    for (Tie& tie : ties)
+        if (tie.opposite)
+            tie.weight *= float(opposite_factor);
+    // Bit patterns of positive floats sort as the floats do; the position breaks ties in the same way always.
+    std::vector<std::uint64_t> order(ties.size());
+    for (std::size_t i = 0; i < ties.size(); ++i)
+    {
+        std::uint32_t bits;
+        std::memcpy(&bits, &ties[i].weight, sizeof bits);
+        order[i] = std::uint64_t(~bits) << 32 | std::uint32_t(i);
+    }
+    std::sort(order.begin(), order.end());
+    ParityForest forest(balls + 1);
+    for (std::uint64_t key : order)
+    {
+        const Tie& tie = ties[std::uint32_t(key)];
+        forest.unite(tie.a, tie.b, tie.opposite);
+    }
+    Labels labels;
+    labels.side.resize(balls);
+    int root_parity;
+    const int root = forest.find(balls, root_parity);
+    for (int b = 0; b < balls; ++b)
+    {
+        int parity;
+        const bool reached = forest.find(b, parity) == root;
+        labels.side[b] = reached && parity == root_parity ? 1 : -1;
+    }
+    double total = 0, wrong = 0;
+    for (const Tie& tie : ties)
+    {
+        const int a = tie.a == balls ? 1 : labels.side[tie.a], b = tie.b == balls ? 1 : labels.side[tie.b];
+        const double weight = tie.opposite ? tie.weight / opposite_factor : tie.weight;
+        total += weight;
+        if ((a != b) != tie.opposite)
+            wrong += weight;
+    }
+    labels.contradicted = total > 0 ? wrong / total : 0;
+    return labels;
+}
+
+} // namespace
+
+Orientation orient_normals(const Points& points, const Vectors& normals, const std::vector<double>& spacing,
+                           int threads, const Progress& progress)
+{
+    const int n = int(points.size());
+    const Balls balls = make_balls(points, normals, spacing, threads, progress.part(0, 0.6, "Delaunay triangulation"));
+    const Triangulation& t = balls.delaunay;
+    const std::vector<Tie> ties = list_ties(balls, points, normals);
+    progress.part(0.6, 0.9, "Orientation").report(0);
+    Labels plain, trusting;
+    parallel_invoke(
+        threads, [&] { plain = label_balls(t.finite_cells, ties, 1); },
+        [&] { trusting = label_balls(t.finite_cells, ties, 1.5); });
+    progress.part(0.9, 1, "Orientation").report(0);
+    const Labels& labels = trusting.contradicted < plain.contradicted ? trusting : plain;
+
+    Orientation result;
+    result.contradicted = labels.contradicted;
+    std::vector<double> vote(n, 0);
+    int both_outside = 0;
+    for (int v = 0; v < n; ++v)
+    {
+        const int out = balls.outer[v], in = balls.inner[v];
+        double trust_out = 0, trust_in = 0;
+        if (out >= 0)
+            trust_out = labels.side[out] * balls.big[out] * pole_cosine(balls, points, normals, v, out);
+        if (in >= 0)
+            trust_in = labels.side[in] * balls.big[in] * pole_cosine(balls, points, normals, v, in);
+        vote[v] = trust_out - trust_in;
+        both_outside += out >= 0 && in >= 0 && labels.side[out] > 0 && labels.side[in] > 0;
+    }
+    result.open = 2 * both_outside > n;
+
+    result.normals = normals;
+    for (int v = 0; v < n; ++v)
+        if (vote[v] < 0)
+            result.normals[v] = -normals[v];
+    const NeighbourSearch search(points);
+    std::vector<int> near(std::size_t(n) * (vote_neighbours + 1), -1);
+    parallel_for(
+        std::size_t(n), threads, {},
+        [&](std::size_t v)
+        {
+            double squared[vote_neighbours + 1];
+            search.nearest(points[v], vote_neighbours + 1, &near[v * (vote_neighbours + 1)], squared);
+        },
+        1024);
+    for (int round = 0; round < vote_rounds; ++round)
+    {
+        std::vector<std::uint8_t> flip(n, 0);
+        parallel_for(
+            std::size_t(n), threads, {},
+            [&](std::size_t v)
+            {
+                double agreement = 0;
+                for (int k = 0; k <= vote_neighbours; ++k)
+                {
+                    const int o = near[v * (vote_neighbours + 1) + std::size_t(k)];
+                    if (o >= 0)
+                        agreement += result.normals[v].dot(result.normals[o]) * (0.1 + std::abs(vote[o]));
+                }
+                flip[v] = agreement < 0;
+            },
+            1024);
+        int flips = 0;
+        for (int v = 0; v < n; ++v)
+            if (flip[v])
+            {
+                result.normals[v] = -result.normals[v];
+                ++flips;
+            }
+        if (flips == 0)
+            break;
+    }
+
+    double volume = 0;
+    Vector mean = Vector::Zero();
+    for (const Point& p : points)
+        mean += p / n;
+    for (int v = 0; v < n; ++v)
+        volume += spacing[v] * spacing[v] * result.normals[v].dot(points[v] - mean);
+    if (volume < 0)
+        for (Vector& normal : result.normals)
+            normal = -normal;
+
+    Points poles;
+    for (int v = 0; v < n; ++v)
+        for (int cell : {balls.outer[v], balls.inner[v]})
+            if (cell >= 0 && balls.radius[cell] > feature_spacings * spacing[v] && balls.radius[cell] < 1 &&
+                pole_cosine(balls, points, normals, v, cell) > feature_cosine)
+                poles.push_back(t.centres[cell]);
+    const NeighbourSearch pole_search(poles);
+    result.feature_size.assign(n, std::numeric_limits<double>::infinity());
+    parallel_for(
+        std::size_t(n), threads, {},
+        [&](std::size_t v)
+        {
+            const int pole = pole_search.nearest(points[v]);
+            if (pole >= 0)
+                result.feature_size[v] = (poles[pole] - points[v]).norm();
+        },
+        1024);
+    return result;
+}
+
+} // namespace recon

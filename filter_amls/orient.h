@@ -1,0 +1,30 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Unit normals with a consistent sign, outward where there is an outside, and what the Delaunay balls tell besides.
+struct Orientation
+{
+    Vectors normals;
+    /// Distance to the nearest pole that is large and lies along a normal: the local feature size. Infinity if there is
+    /// none.
+    std::vector<double> feature_size;
+    double contradicted = 0; ///< Share of the weight of the constraints that the labels violate [0..1].
+    bool open = false;       ///< Both sides of most anchors see the outside: there is no inside.
+};
+
+/// Chooses the sign of each normal from the Delaunay balls of the points (recipe step 6). Balls of neighbouring cells
+/// that intersect deeply lie on one side, the two poles of a point on opposite ones; the most certain of these
+/// constraints win (maximum spanning forest with parity). \pre points are distinct, of unit scale, thin (not a slab of
+/// noise), at least one; normals of unit length. \param spacing distance of neighbouring points [length], per point.
+/// \throws Cancelled.
+Orientation orient_normals(const Points& points, const Vectors& normals, const std::vector<double>& spacing,
+                           int threads, const Progress& progress = {});
+
+} // namespace recon

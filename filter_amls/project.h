@@ -1,0 +1,51 @@
+#pragma once
+
+#include "surface.h"
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace recon
+{
+
+/// Options of project_to_amls().
+struct AmlsProjectionOptions
+{
+    int max_iterations = 6; ///< Newton steps per point [count], >= 1.
+    double tolerance = 0.1; ///< A point has converged when a step is below this [local spacing], > 0.
+    double cut_off = 2.2;   ///< Anchors farther than this do not count [widths], > 0.
+    int threads = 0;        ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
+};
+
+enum class ProjectionStatus : std::uint8_t
+{
+    converged,
+    fell_back,     ///< Newton's method left the neighbourhood; the point lies on the local plane instead.
+    not_converged, ///< The last position within bounds.
+    outlier        ///< Not moved: no surface is near.
+};
+
+/// Projected points with what happened to each.
+struct AmlsProjection
+{
+    Points points;
+    Vectors normals; ///< Of unit length, outward: gradient of I. Of outliers that of the nearest surface.
+    std::vector<ProjectionStatus> status;
+    std::vector<double> widths;            ///< h at the point [length].
+    std::vector<double> spacings;          ///< Distance of neighbouring input points there [length].
+    std::vector<std::uint8_t> iterations;  ///< Newton steps [count].
+    std::vector<std::uint16_t> neighbours; ///< Anchors that count in the last step [count].
+
+    int count(ProjectionStatus wanted) const;
+};
+
+/// Moves points onto the surface by Newton's method on I (Dey and Sun 2005, eq. 7.11; recipe step 8). The points may be
+/// those of which the surface was made, or others.
+/// \throws InvalidInput for a point that is not finite or an option out of range. \throws Cancelled.
+AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
+                               const AmlsProjectionOptions& options = {}, const Progress& progress = {});
+
+} // namespace recon

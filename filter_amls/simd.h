@@ -1,0 +1,74 @@
+#pragma once
+
+// Eight doubles at a time, in the compiler's vector types: the same source becomes SSE2, AVX2 or AVX-512 code, and
+// RECON_VECTOR_CLONES lets one library hold all three and choose at run time. Functions that take or return Lanes must
+// be inlined into such a function (lambdas are not: they do not inherit its instruction set).
+
+#include <cstring>
+
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__)
+#define RECON_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#pragma GCC diagnostic ignored "-Wpsabi" // the ABI does not matter: everything is inlined
+#else
+#define RECON_VECTOR_CLONES
+#endif
+#define RECON_INLINE inline __attribute__((always_inline))
+
+namespace recon::simd
+{
+
+constexpr int lane_count = 8;
+using Lanes = double __attribute__((vector_size(64)));
+
+/// Number of entries that arrays must hold for n values to be read in whole Lanes.
+constexpr int padded(int n)
+{
+    return (n + lane_count - 1) / lane_count * lane_count;
+}
+
+RECON_INLINE Lanes load(const double* values)
+{
+    Lanes x;
+    std::memcpy(&x, values, sizeof x);
+    return x;
+}
+RECON_INLINE void store(double* values, Lanes x)
+{
+    std::memcpy(values, &x, sizeof x);
+}
+
+/// In a fixed order, so that all instruction sets round alike.
+RECON_INLINE double sum(Lanes x)
+{
+    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+}
+
+RECON_INLINE Lanes zero()
+{
+    return Lanes{};
+}
+RECON_INLINE Lanes smaller(Lanes a, Lanes b)
+{
+    return a < b ? a : b;
+}
+
+/// exp(-x) for 0 <= x <= 8 to a relative 1e-6, by a polynomial for exp(-x / 16) and four squarings: no integer
+/// arithmetic, which the older instruction sets lack for 64 bits.
+RECON_INLINE Lanes exp_negative(Lanes x)
+{
+    const Lanes t = x * (-1.0 / 16);
+    Lanes y = 1.0 / 5040 + t * (1.0 / 40320);
+    y = 1.0 / 720 + t * y;
+    y = 1.0 / 120 + t * y;
+    y = 1.0 / 24 + t * y;
+    y = 1.0 / 6 + t * y;
+    y = 0.5 + t * y;
+    y = 1.0 + t * y;
+    y = 1.0 + t * y;
+    y *= y;
+    y *= y;
+    y *= y;
+    return y * y;
+}
+
+} // namespace recon::simd

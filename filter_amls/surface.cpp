@@ -1,0 +1,215 @@
+#include "surface.h"
+
+#include "orient.h"
+#include "surface_data.h"
+
+#include <recon/errors.h>
+#include <recon/parallel.h>
+#include <recon/spatial_order.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recon
+{
+namespace
+{
+
+constexpr double anchor_spacing = 0.5;     // widths: the voxels in which anchors were thinned
+constexpr double narrowest_spacings = 1.2; // a width by rho_e below it would find no neighbours
+constexpr double widest = 0.25;            // diagonals
+const double rho_per_width = std::pow(2.0, 0.25);
+
+double median(std::vector<double> values)
+{
+    if (values.empty())
+        return 0;
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+void check_options(const Points& points, const AmlsOptions& options, const Vectors& normals)
+{
+    const auto good = [](double value) { return value >= 0 && std::isfinite(value); };
+    if (!good(options.rho_e))
+        throw InvalidInput("rho_e must be 0 (automatic) or a positive number; the paper uses 0.75.");
+    if (!good(options.noise))
+        throw InvalidInput("The noise must be 0 (estimate) or a positive length.");
+    if (!normals.empty() && normals.size() != points.size())
+        throw InvalidInput("There are " + std::to_string(normals.size()) + " normals for " +
+                           std::to_string(points.size()) + " points; there must be one each, or none.");
+}
+
+/// The noise the user gave in place of the estimate's.
+NoiseEstimate with_given_noise(const NoiseEstimate& estimate, double sigma)
+{
+    return NoiseEstimate(estimate.seeds(), std::vector<double>(std::size_t(estimate.size()), sigma),
+                         estimate.density());
+}
+
+/// Signs of all cells' normals from the oriented anchors around them.
+void orient_cells(const Cells& cells, const Points& feet, const std::vector<int>& anchors,
+                  const Vectors& anchor_normals, Vectors& normals, int threads)
+{
+    constexpr int voters = 8;
+    Points positions;
+    for (int c : anchors)
+        positions.push_back(feet[c]);
+    const NeighbourSearch search(positions);
+    parallel_for(
+        std::size_t(cells.size()), threads, {},
+        [&](std::size_t c)
+        {
+            int near[voters];
+            double squared[voters];
+            const int count = search.nearest(feet[c], voters, near, squared);
+            const double h = anchor_spacing * cells.scales[c].width;
+            double vote = 0;
+            for (int k = 0; k < count; ++k)
+            {
+                // Around the nearest one, so that a far cell hears it at all.
+                const double weight = std::exp(-(squared[k] - squared[0]) / (h * h));
+                vote += weight * normals[c].dot(anchor_normals[near[k]]);
+            }
+            if (vote < 0)
+                normals[c] = -normals[c];
+        },
+        1024);
+    for (std::size_t a = 0; a < anchors.size(); ++a)
+        normals[anchors[a]] = anchor_normals[a];
+}
+
+/// Signs from given normals: the sum over each cell's points decides.
+void orient_by_given(const Cells& cells, const Vectors& given, Vectors& normals)
+{
+    Vectors sums(normals.size(), Vector::Zero());
+    for (std::size_t i = 0; i < given.size(); ++i)
+    {
+        const double length = given[i].norm();
+        if (length > 0 && std::isfinite(length))
+            sums[cells.cell_of_point[i]] += given[i] / length;
+    }
+    for (std::size_t c = 0; c < normals.size(); ++c)
+        if (sums[c].dot(normals[c]) < 0)
+            normals[c] = -normals[c];
+}
+
+} // namespace
+
+const AmlsSurfaceReport& AmlsSurface::report() const
+{
+    return data_->report;
+}
+
+OrientedSamples AmlsSurface::anchors() const
+{
+    OrientedSamples samples;
+    for (const Anchor& a : data_->anchors)
+    {
+        samples.points.push_back(data_->frame.from_unit(a.position));
+        samples.normals.push_back(a.normal);
+    }
+    return samples;
+}
+
+AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options, const Progress& progress,
+                               const Vectors& given_normals)
+{
+    check_options(points, options, given_normals);
+    const int threads = resolve_threads(options.threads);
+    check_spans_volume(points);
+    const UnitFrame frame(points);
+    PhaseTimes times;
+
+    times.begin("noise");
+    const SpatialOrder spatial = order_spatially(points);
+    Points unit;
+    unit.reserve(spatial.order.size());
+    for (int i : spatial.order)
+        unit.push_back(frame.to_unit(points[i]));
+    NoiseOptions noise_options;
+    noise_options.threads = threads;
+    NoiseEstimate noise = estimate_noise(unit, noise_options, progress.part(0, 0.05, "Noise"));
+    if (options.noise > 0)
+        noise = with_given_noise(noise, options.noise / frame.scale());
+
+    times.begin("width");
+    const LocalScales scales = choose_widths(unit, noise, threads, progress.part(0.05, 0.15, "Width"));
+    times.begin("cells");
+    Cells cells = average_cells(unit, scales, threads, progress.part(0.15, 0.2, "Cells"));
+    times.begin("normals");
+    CellNormals normals = estimate_cell_normals(cells, threads, progress.part(0.2, 0.35, "Normals"));
+    std::vector<int> anchors = thin_to_anchors(cells, normals);
+    if (anchors.empty())
+    {
+        // Too few points to tell outliers from surface: all are surface.
+        std::fill(normals.kinds.begin(), normals.kinds.end(), CellKind::regular);
+        anchors = thin_to_anchors(cells, normals);
+    }
+
+    times.begin("orientation");
+    Points feet;
+    Vectors anchor_normals;
+    std::vector<double> spacing;
+    for (int c : anchors)
+    {
+        feet.push_back(normals.feet[c]);
+        anchor_normals.push_back(normals.normals[c]);
+        spacing.push_back(std::max(anchor_spacing * cells.scales[c].width, 1 / std::sqrt(cells.scales[c].density)));
+    }
+    const Orientation orientation =
+        orient_normals(feet, anchor_normals, spacing, threads, progress.part(0.35, 0.85, "Orientation"));
+    if (given_normals.empty())
+        orient_cells(cells, normals.feet, anchors, orientation.normals, normals.normals, threads);
+    else
+    {
+        Vectors sorted;
+        for (int i : spatial.order)
+            sorted.push_back(given_normals[i]);
+        orient_by_given(cells, sorted, normals.normals);
+    }
+
+    times.begin("fit");
+    std::vector<double> widths;
+    for (int c : anchors)
+        widths.push_back(cells.scales[c].width);
+    std::vector<double> equivalent;
+    if (options.rho_e > 0)
+    {
+        for (std::size_t a = 0; a < anchors.size(); ++a)
+            widths[a] = std::clamp(options.rho_e * orientation.feature_size[a] / rho_per_width,
+                                   narrowest_spacings / std::sqrt(cells.scales[anchors[a]].density), widest);
+        const NeighbourSearch search(feet);
+        parallel_for(
+            std::size_t(cells.size()), threads, {},
+            [&](std::size_t c) { cells.scales[c].width = widths[search.nearest(normals.feet[c])]; }, 1024);
+    }
+    for (std::size_t a = 0; a < anchors.size(); ++a)
+        if (std::isfinite(orientation.feature_size[a]))
+            equivalent.push_back(rho_per_width * widths[a] / orientation.feature_size[a]);
+    for (int c = 0; c < cells.size(); ++c)
+        if (normals.kinds[c] == CellKind::outlier)
+            cells.counts[c] = 0;
+    std::vector<Anchor> fitted =
+        fit_anchors(cells, normals.normals, normals.feet, anchors, widths, threads, progress.part(0.85, 1, "Fit"));
+    times.end();
+
+    auto data =
+        std::make_shared<AmlsSurface::Data>(frame, std::move(cells), std::move(normals.normals),
+                                            std::move(normals.feet), std::move(normals.kinds), std::move(fitted));
+    data->feature_size = orientation.feature_size;
+    AmlsSurfaceReport& report = data->report;
+    report.noise = frame.scale() * noise.median_sigma();
+    report.spacing = frame.scale() * noise.median_spacing();
+    report.width = frame.scale() * median(widths);
+    report.rho_e = median(equivalent);
+    report.cells = data->cells.size();
+    report.anchors = int(anchors.size());
+    report.contradicted = orientation.contradicted;
+    report.open = orientation.open;
+    report.seconds = times.seconds();
+    return AmlsSurface(std::move(data));
+}
+
+} // namespace recon

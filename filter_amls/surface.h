@@ -1,0 +1,62 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace recon
+{
+
+/// Options of build_amls_surface(). Lengths are in input units.
+struct AmlsOptions
+{
+    double rho_e = 0; ///< Gaussian width [local feature size], >= 0. 0 = automatic from noise, spacing and curvature.
+    double noise = 0; ///< Standard deviation of the noise [length], >= 0. 0 = estimate, locally.
+    int threads = 0;  ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
+};
+
+/// What was found while building; lengths are in input units.
+struct AmlsSurfaceReport
+{
+    double noise = 0;   ///< Median standard deviation of the noise, estimated or given [length].
+    double spacing = 0; ///< Median distance of neighbouring points [length].
+    double width = 0;   ///< Median width h of the weights exp(-d^2 / h^2) [length].
+    double rho_e =
+        0;         ///< Median of 2^(1/4) h / local feature size [1]: the paper's parameter that this width amounts to.
+    int cells = 0; ///< [count]
+    int anchors = 0;         ///< [count]
+    double contradicted = 0; ///< Share of what was known about sides that the orientation contradicts [0..1].
+    bool open = false; ///< The cloud is an open sheet: "outside" has no meaning, the orientation is only consistent.
+    std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
+};
+
+/// A smooth surface through a noisy cloud: the zero set of I(x) = sum theta d_a / sum theta over small quadrics
+/// (anchors) that carry the orientation. Copies share their data; projection may run on many threads at once.
+class AmlsSurface
+{
+public:
+    struct Data;
+    explicit AmlsSurface(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+
+    const AmlsSurfaceReport& report() const;
+    /// Anchors as points with outward unit normals, in input units: a thinned and smoothed cloud.
+    OrientedSamples anchors() const;
+    const Data& data() const { return *data_; }
+
+private:
+    std::shared_ptr<const Data> data_;
+};
+
+/// Builds the surface from points alone (after Dey and Sun 2005; widths by local risk, cells, anchors). Equal points
+/// count once. Does not depend on the order of the points. `normals`, if not empty, one per point and of any length,
+/// decide the sides instead of the Delaunay balls; zero vectors among them have no say.
+/// \throws InvalidInput for points that do not span a volume or are not finite, normals of a different number, or an
+/// option out of range. \throws Cancelled.
+AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options = {}, const Progress& progress = {},
+                               const Vectors& normals = {});
+
+} // namespace recon

@@ -1,0 +1,241 @@
+#include "weighted_sums.h"
+
+#include "simd.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+namespace recon
+{
+
+using simd::Lanes;
+
+void Gathered::gather(const Points& points, const std::vector<double>& weights, const std::vector<int>& indices,
+                      const Point& origin)
+{
+    size = int(indices.size());
+    const std::size_t padded = std::size_t(simd::padded(size));
+    for (auto* values : {&x, &y, &z, &weight})
+        values->resize(padded);
+    for (int i = 0; i < size; ++i)
+    {
+        const Point p = points[indices[i]] - origin;
+        x[i] = p.x();
+        y[i] = p.y();
+        z[i] = p.z();
+        weight[i] = weights.empty() ? 1 : weights[indices[i]];
+    }
+    for (std::size_t i = size; i < padded; ++i)
+        x[i] = y[i] = z[i] = weight[i] = 0;
+}
+
+void Gathered::gather_directions(const Vectors& directions, const std::vector<int>& indices)
+{
+    const std::size_t padded = std::size_t(simd::padded(size));
+    for (auto* values : {&nx, &ny, &nz})
+        values->assign(padded, 0);
+    for (int i = 0; i < size; ++i)
+    {
+        const Vector& n = directions[indices[i]];
+        nx[i] = n.x();
+        ny[i] = n.y();
+        nz[i] = n.z();
+    }
+}
+
+namespace
+{
+
+/// Sums of w (1, x, y, z, xx, xy, xz, yy, yz, zz) about the centre.
+RECON_VECTOR_CLONES
+void sum_moments(const double* px, const double* py, const double* pz, const double* weight, int n, double cx,
+                 double cy, double cz, double width, double cut, double* sums)
+{
+    Lanes total[10] = {};
+    const double inverse = 1 / (width * width), limit = cut * cut;
+    for (int i = 0; i < n; i += simd::lane_count)
+    {
+        const Lanes x = simd::load(px + i) - cx, y = simd::load(py + i) - cy, z = simd::load(pz + i) - cz;
+        const Lanes e = (x * x + y * y + z * z) * inverse;
+        const Lanes w = e <= limit ? simd::load(weight + i) * simd::exp_negative(e) : simd::zero();
+        const Lanes wx = w * x, wy = w * y, wz = w * z;
+        total[0] += w;
+        total[1] += wx;
+        total[2] += wy;
+        total[3] += wz;
+        total[4] += wx * x;
+        total[5] += wx * y;
+        total[6] += wx * z;
+        total[7] += wy * y;
+        total[8] += wy * z;
+        total[9] += wz * z;
+    }
+    for (int k = 0; k < 10; ++k)
+        sums[k] = simd::sum(total[k]);
+}
+
+/// Everything sum_quadric() reads, so that one function serves all kinds of weights.
+struct QuadricInput
+{
+    const double *x, *y, *z, *weight, *nx, *ny, *nz;
+    int n;
+    double origin[3], normal[3], t1[3], t2[3];
+    double width, cut;
+    bool same_side_only, robust;
+    double about[6], robust_scale;
+};
+
+constexpr int quadric_sums = 15 + 6 + 1;
+
+/// Sums of w times the monomials of u and v up to the fourth degree, of w z times those up to the second, and of w^2.
+RECON_VECTOR_CLONES
+void sum_quadric(const QuadricInput& in, double* sums)
+{
+    Lanes total[quadric_sums] = {};
+    const double inverse = 1 / in.width, limit = in.cut * in.cut, robust = 1 / in.robust_scale;
+    for (int i = 0; i < in.n; i += simd::lane_count)
+    {
+        const Lanes x = simd::load(in.x + i) - in.origin[0], y = simd::load(in.y + i) - in.origin[1],
+                    z = simd::load(in.z + i) - in.origin[2];
+        const Lanes height = x * in.normal[0] + y * in.normal[1] + z * in.normal[2];
+        const Lanes u = (x * in.t1[0] + y * in.t1[1] + z * in.t1[2]) * inverse;
+        const Lanes v = (x * in.t2[0] + y * in.t2[1] + z * in.t2[2]) * inverse;
+        const Lanes e = u * u + v * v + (height * inverse) * (height * inverse);
+        Lanes w = e <= limit ? simd::load(in.weight + i) * simd::exp_negative(e) : simd::zero();
+        if (in.same_side_only)
+        {
+            const Lanes cosine = simd::load(in.nx + i) * in.normal[0] + simd::load(in.ny + i) * in.normal[1] +
+                                 simd::load(in.nz + i) * in.normal[2];
+            w = cosine > simd::zero() ? w : simd::zero();
+        }
+        const Lanes uu = u * u, uv = u * v, vv = v * v;
+        if (in.robust)
+        {
+            const Lanes r = (height - (in.about[0] + in.about[1] * u + in.about[2] * v + in.about[3] * uu +
+                                       in.about[4] * uv + in.about[5] * vv)) *
+                            robust;
+            const Lanes damping = 1.0 / (1.0 + r * r);
+            w *= damping * damping;
+        }
+        const Lanes wu = w * u, wv = w * v, wuu = w * uu, wuv = w * uv, wvv = w * vv, wz = w * height;
+        total[0] += w;
+        total[1] += wu;
+        total[2] += wv;
+        total[3] += wuu;
+        total[4] += wuv;
+        total[5] += wvv;
+        total[6] += wuu * u;
+        total[7] += wuu * v;
+        total[8] += wvv * u;
+        total[9] += wvv * v;
+        total[10] += wuu * uu;
+        total[11] += wuu * uv;
+        total[12] += wuu * vv;
+        total[13] += wvv * uv;
+        total[14] += wvv * vv;
+        total[15] += wz;
+        total[16] += wz * u;
+        total[17] += wz * v;
+        total[18] += wz * uu;
+        total[19] += wz * uv;
+        total[20] += wz * vv;
+        total[21] += w * w;
+    }
+    for (int k = 0; k < quadric_sums; ++k)
+        sums[k] = simd::sum(total[k]);
+}
+
+} // namespace
+
+WeightedPlane fit_plane(const Gathered& points, const Point& centre, double width, double cut)
+{
+    double s[10];
+    sum_moments(points.x.data(), points.y.data(), points.z.data(), points.weight.data(), points.size, centre.x(),
+                centre.y(), centre.z(), width, cut, s);
+    WeightedPlane plane;
+    plane.mass = s[0];
+    if (!(s[0] > 0))
+    {
+        plane.mean = centre;
+        return plane;
+    }
+    const Vector mean = Vector(s[1], s[2], s[3]) / s[0];
+    Eigen::Matrix3d covariance;
+    covariance << s[4], s[5], s[6], s[5], s[7], s[8], s[6], s[8], s[9];
+    covariance /= s[0];
+    covariance -= mean * mean.transpose();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(covariance / (width * width));
+    plane.mean = centre + mean;
+    plane.normal = solver.eigenvectors().col(0);
+    if (!plane.normal.allFinite())
+        plane.normal = Vector::UnitZ();
+    return plane;
+}
+
+TangentFrame::TangentFrame(const Vector& unit_normal) : normal(unit_normal)
+{
+    // Duff et al. 2017: no branch but the sign.
+    const double sign = std::copysign(1.0, normal.z()), a = -1 / (sign + normal.z()), b = normal.x() * normal.y() * a;
+    t1 = Vector(1 + sign * normal.x() * normal.x() * a, sign * b, -sign * normal.x());
+    t2 = Vector(b, sign + normal.y() * normal.y() * a, -normal.y());
+}
+
+QuadricFit fit_quadric(const Gathered& points, const Point& origin, const TangentFrame& frame,
+                       const QuadricWeights& how)
+{
+    QuadricInput in;
+    in.x = points.x.data();
+    in.y = points.y.data();
+    in.z = points.z.data();
+    in.weight = points.weight.data();
+    in.nx = points.nx.data();
+    in.ny = points.ny.data();
+    in.nz = points.nz.data();
+    in.n = points.size;
+    for (int k = 0; k < 3; ++k)
+    {
+        in.origin[k] = origin[k];
+        in.normal[k] = frame.normal[k];
+        in.t1[k] = frame.t1[k];
+        in.t2[k] = frame.t2[k];
+    }
+    in.width = how.width;
+    in.cut = how.cut;
+    in.same_side_only = how.same_side_only;
+    in.robust = how.robust_about != nullptr;
+    in.robust_scale = how.robust_scale;
+    for (int k = 0; k < 6; ++k)
+        in.about[k] = in.robust ? how.robust_about->c[k] : 0;
+    double s[quadric_sums];
+    sum_quadric(in, s);
+
+    QuadricFit fit;
+    fit.mass = s[0];
+    if (!(s[0] > 0))
+        return fit;
+    fit.effective = s[0] * s[0] / s[21];
+    Eigen::Matrix<double, 6, 6> m;
+    m << s[0], s[1], s[2], s[3], s[4], s[5],   //
+        s[1], s[3], s[4], s[6], s[7], s[8],    //
+        s[2], s[4], s[5], s[7], s[8], s[9],    //
+        s[3], s[6], s[7], s[10], s[11], s[12], //
+        s[4], s[7], s[8], s[11], s[12], s[13], //
+        s[5], s[8], s[9], s[12], s[13], s[14];
+    for (int k = 1; k < 3; ++k)
+        m(k, k) += how.ridge_linear * s[0];
+    for (int k = 3; k < 6; ++k)
+        m(k, k) += how.ridge_quadratic * s[0];
+    const SmallCholesky<6> cholesky(m);
+    if (!cholesky.valid())
+        return fit;
+    Eigen::Matrix<double, 6, 1> right;
+    right << s[15], s[16], s[17], s[18], s[19], s[20];
+    const Eigen::Matrix<double, 6, 1> c = cholesky.solve(right);
+    for (int k = 0; k < 6; ++k)
+        fit.c[k] = c[k];
+    fit.valid = c.allFinite();
+    return fit;
+}
+
+} // namespace recon
