@@ -1,0 +1,28 @@
+"""The filter in MeshLab 2020's window: in the menus, its dialog, and its result. The pictures are left in build/gui/."""
+import subprocess
+
+import hosts
+import meshlab_2020
+from hosts import BUILD, NOISY_POWER_CRUST, Cloud
+from mesh_checks import torus
+
+
+def test_filter_runs_from_the_menu(display, tmp_path):
+    pictures = BUILD / "gui"
+    pictures.mkdir(exist_ok=True)
+    for old in pictures.glob("*"):
+        old.unlink()
+    programs = meshlab_2020.private_install(BUILD / "meshlab-2020-gui", BUILD / "plugins" / "meshlab-2020.09",
+                                            more=[BUILD / "tests" / "hosts" / "libgui_probe.so"])
+    hosts.write_ply(tmp_path / "torus.ply", Cloud(torus(4000, 0.01, seed=1)))
+    process = subprocess.run(
+        [str(programs / "meshlab"), str(tmp_path / "torus.ply")], cwd=tmp_path, stdin=subprocess.DEVNULL,
+        env={**meshlab_2020.environment(display, tmp_path / "home"), "PROBE_FILTER": NOISY_POWER_CRUST.name,
+             "PROBE_FOLDER": str(pictures)},
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", timeout=180)
+    report = (pictures / "report.txt").read_text() if (pictures / "report.txt").exists() else process.stdout
+    lines = report.splitlines()
+    assert any(line.startswith("menu /Filters/Remeshing") for line in lines), report
+    assert any(line.startswith("menu /Filters/Point Set") for line in lines), report
+    assert not any("disabled" in line for line in lines), report
+    assert lines[-2:] == ["apply", "done"], report  # no message box came up
