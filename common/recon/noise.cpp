@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace recon
 {
@@ -57,12 +58,14 @@ double NoiseEstimate::spacing_at(const Point& query) const
 namespace
 {
 
-double median(std::vector<double> values)
+/// Reorders the values.
+double middle_of(double* values, int count)
 {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    std::nth_element(values, values + count / 2, values + count);
+    return values[count / 2];
 }
+
+double median(std::vector<double> values) { return middle_of(values.data(), int(values.size())); }
 
 } // namespace
 
@@ -80,18 +83,22 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int smallest_count = 18; // three points per coefficient of the quadric
-constexpr int largest_count = 2400;
+constexpr int largest_count = 6000;
 constexpr int many = 150; // neighbours; beyond it a subsample does
 constexpr double growth = 1.5;
 /// A neighbourhood this many residuals wide is a piece of surface rather than the inside of the noise.
 constexpr double flatness = 4;
 /// The residual at the scale chosen is a little below the noise, since a ball cuts off its tails.
-constexpr double truncation = 1.04;
+constexpr double truncation = 1.055;
 constexpr int smoothing_seeds = 21;
+/// A residual that grows more than this from one scale to the next is not noise but shape: a thin part, a crease.
+constexpr double settled = 1.2;
+constexpr double settled_share = 0.2; // of the seeds; if fewer have settled, all are taken
 
 struct QuadricFit
 {
     double residual; ///< Root mean square.
+    double kurtosis; ///< Of the residuals: 3 for Gaussian noise, below 2 for two sheets taken for one.
     Point foot;      ///< Of the first neighbour, along the normal of the principal frame.
 };
 
@@ -100,7 +107,7 @@ QuadricFit fit_quadric(const Points& points, const Point& seed, const int* neigh
 {
     constexpr int coefficients = 6;
     if (count <= coefficients || !(radius > 0))
-        return {0, seed};
+        return {0, 3, seed};
     Vector mean = Vector::Zero();
     for (int i = 0; i < count; ++i)
         mean += points[neighbours[i]] - seed;
@@ -125,27 +132,34 @@ QuadricFit fit_quadric(const Points& points, const Point& seed, const int* neigh
     Eigen::Matrix<double, coefficients, coefficients> normal_matrix;
     normal_matrix.setZero();
     Row right = Row::Zero();
-    double squares = 0;
     for (int i = 0; i < count; ++i)
     {
         const Vector u = frame.transpose() * ((points[neighbours[i]] - seed - mean) / radius);
         const Row row = row_at(u);
         normal_matrix += row * row.transpose();
         right += row * u[0];
-        squares += u[0] * u[0];
     }
     // Keeps collinear neighbours (scan lines) solvable; far below any noise.
     normal_matrix.diagonal().array() += 1e-12 * count;
     const Row solution = normal_matrix.ldlt().solve(right);
-    const double rest = squares - solution.dot(right);
+    double second = 0, fourth = 0;
+    for (int i = 0; i < count; ++i)
+    {
+        const Vector u = frame.transpose() * ((points[neighbours[i]] - seed - mean) / radius);
+        const double r = u[0] - row_at(u).dot(solution), square = r * r;
+        second += square;
+        fourth += square * square;
+    }
     const Vector at_seed = frame.transpose() * (-mean / radius);
     const double height = std::clamp(row_at(at_seed).dot(solution) - at_seed[0], -1.0, 1.0);
-    return {radius * std::sqrt(std::max(0.0, rest) / (count - coefficients)), seed + radius * height * frame.col(0)};
+    return {radius * std::sqrt(second / (count - coefficients)), second > 0 ? count * fourth / (second * second) : 3,
+            seed + radius * height * frame.col(0)};
 }
 
 struct Local
 {
     double sigma, density;
+    bool settled = true;
 };
 
 /// What a Gaussian slab shows inside a ball of radius R around its middle: at height z the ball cuts a disc of area
@@ -163,6 +177,7 @@ Local correct_for_ball(double residual, int count, double radius)
 struct Pyramid
 {
     static constexpr int step = 4;
+    static constexpr std::size_t coarsest = 2000;
     std::vector<Points> levels;
     std::vector<NeighbourSearch> searches;
 
@@ -170,7 +185,7 @@ struct Pyramid
     {
         levels.reserve(16); // the searches keep references
         levels.push_back(std::move(points));
-        while (levels.back().size() > std::size_t(step * largest_count) && levels.size() < 4)
+        while (levels.back().size() > step * coarsest && levels.size() < 4)
         {
             const Points& finer = levels.back();
             Points coarser;
@@ -183,35 +198,70 @@ struct Pyramid
     }
 };
 
-/// Recipe step 1 at one seed, without the smoothing.
-Local estimate_at(const Pyramid& pyramid, const Point& seed, std::vector<int>& neighbours, std::vector<double>& squared)
+/// Neighbourhoods of one seed at growing scales.
+class ScaleLadder
 {
-    const int all = int(pyramid.levels[0].size());
-    // Of a small cloud take a part, or the quadric would have to follow the whole shape.
-    const int limit = std::min({all, largest_count, std::max(all / 3, smallest_count)});
-    QuadricFit fit{0, seed};
-    double radius = 0;
-    int count = 0, share = 1;
-    bool flat = false;
-    for (double k = smallest_count; count * share < limit; k *= growth)
+public:
+    explicit ScaleLadder(const Pyramid& pyramid) : pyramid_(pyramid), neighbours_(largest_count), squared_(largest_count)
+    {
+        const int all = int(pyramid.levels[0].size());
+        // Of a small cloud take a part, or the quadric would have to follow the whole shape.
+        limit_ = std::min({all, largest_count, std::max(all / 3, smallest_count)});
+    }
+
+    Local estimate(const Point& seed)
+    {
+        double k = smallest_count;
+        while (true)
+        {
+            measure(seed, k);
+            if (radius_ >= flatness * fit_.residual || k * growth > limit_)
+                break;
+            k *= growth;
+        }
+        // Around the foot from now on, where the correction for the ball holds.
+        const Point foot = fit_.foot;
+        measure(foot, k);
+        const Local narrow = correct_for_ball(fit_.residual, count_, radius_);
+        const double narrow_radius = radius_;
+        if (k * growth > limit_)
+            return {narrow.sigma, narrow.density, false};
+        measure(foot, k * growth);
+        const Local wide = correct_for_ball(fit_.residual, count_, radius_);
+        // What a quadric cannot follow grows with the third power of the radius: the two scales tell it from the noise.
+        // Only upwards: of a few clusters of points a quadric leaves too little at first.
+        const double ratio = std::pow(radius_ / std::max(narrow_radius, 1e-300), 6);
+        const double a = narrow.sigma * narrow.sigma, b = wide.sigma * wide.sigma;
+        const double variance = ratio > 1.5 ? std::max(a, (ratio * a - b) / (ratio - 1)) : a;
+        // A thin part is as flat as a thick layer of noise, but its residuals keep to both faces.
+        const double n = count_ / share_, doubt = std::max(0.5, 1.2 * std::sqrt(24 / n));
+        const bool gaussian = fit_.kurtosis >= 3 * (n - 1) / (n + 1) - doubt;
+        return {std::sqrt(variance), wide.density, gaussian && wide.sigma <= settled * narrow.sigma};
+    }
+
+private:
+    void measure(const Point& centre, double k)
     {
         std::size_t level = 0;
-        share = 1;
-        for (double c = k; c > many && level + 1 < pyramid.levels.size(); c /= Pyramid::step, share *= Pyramid::step)
+        int share = 1;
+        for (double c = k; c > many && level + 1 < pyramid_.levels.size(); c /= Pyramid::step, share *= Pyramid::step)
             ++level;
-        count = std::min(int(k), limit) / share;
-        const Point centre = flat ? fit.foot : seed;
-        pyramid.searches[level].nearest(centre, count, neighbours.data(), squared.data());
-        radius = std::sqrt(squared[count - 1]);
-        fit = fit_quadric(pyramid.levels[level], centre, neighbours.data(), count, radius);
-        if (flat)
-            break; // one step after the first flat one, around the foot: the residual has settled
-        flat = radius >= flatness * fit.residual;
-        if (count * share + share > limit)
-            break;
+        const int wanted = std::max(1, std::min(int(k), limit_) / share);
+        const int found = pyramid_.searches[level].nearest(centre, wanted, neighbours_.data(), squared_.data());
+        radius_ = std::sqrt(squared_[found - 1]);
+        fit_ = fit_quadric(pyramid_.levels[level], centre, neighbours_.data(), found, radius_);
+        count_ = found * share;
+        share_ = share;
     }
-    return correct_for_ball(fit.residual, count * share, radius);
-}
+
+    const Pyramid& pyramid_;
+    std::vector<int> neighbours_;
+    std::vector<double> squared_;
+    int limit_ = 0;
+    QuadricFit fit_{};
+    double radius_ = 0;
+    int count_ = 0, share_ = 1;
+};
 
 } // namespace
 
@@ -239,31 +289,44 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     parallel_chunks(std::size_t(m), threads, 32, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
-                        std::vector<int> neighbours(largest_count);
-                        std::vector<double> squared(largest_count);
+                        ScaleLadder ladder(pyramid);
                         for (std::size_t i = begin; i < end; ++i)
-                            raw[i] = estimate_at(pyramid, seeds[i], neighbours, squared);
+                            raw[i] = ladder.estimate(seeds[i]);
                     });
 
+    Points settled_seeds;
+    std::vector<int> settled_index;
+    for (int i = 0; i < m; ++i)
+        if (raw[i].settled)
+        {
+            settled_seeds.push_back(seeds[i]);
+            settled_index.push_back(i);
+        }
+    if (settled_index.size() < settled_share * m)
+    {
+        settled_seeds = seeds;
+        settled_index.resize(m);
+        std::iota(settled_index.begin(), settled_index.end(), 0);
+    }
+
     std::vector<double> sigma(m), density(m);
-    const NeighbourSearch seed_search(seeds);
+    const NeighbourSearch seed_search(seeds), settled_search(settled_seeds);
     const double scale = frame.scale();
-    parallel_for(std::size_t(m), threads, {},
-                 [&](std::size_t i)
-                 {
-                     int near[smoothing_seeds];
-                     double squared[smoothing_seeds], values[smoothing_seeds];
-                     const int count = seed_search.nearest(seeds[i], smoothing_seeds, near, squared);
-                     const auto smooth = [&](auto member)
-                     {
-                         for (int k = 0; k < count; ++k)
-                             values[k] = raw[near[k]].*member;
-                         std::nth_element(values, values + count / 2, values + count);
-                         return values[count / 2];
-                     };
-                     sigma[i] = truncation * scale * smooth(&Local::sigma);
-                     density[i] = smooth(&Local::density) / scale / scale;
-                 });
+    parallel_for(
+        std::size_t(m), threads, {},
+        [&](std::size_t i)
+        {
+            int near[smoothing_seeds];
+            double squared[smoothing_seeds], values[smoothing_seeds];
+            int count = settled_search.nearest(seeds[i], smoothing_seeds, near, squared);
+            for (int k = 0; k < count; ++k)
+                values[k] = raw[settled_index[near[k]]].sigma;
+            sigma[i] = truncation * scale * middle_of(values, count);
+            count = seed_search.nearest(seeds[i], smoothing_seeds, near, squared);
+            for (int k = 0; k < count; ++k)
+                values[k] = raw[near[k]].density;
+            density[i] = middle_of(values, count) / scale / scale;
+        });
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(sigma), std::move(density));
 }
