@@ -1,6 +1,7 @@
 # point_surfaces_plugin(<name> SOURCES plugin.cpp... LINK recon_x...)
 # Compiles the filter's description once (target <name>_spec) and links it into one plugin per host,
 # build/plugins/<host>/lib<name>.so.
+add_custom_target(plugins)
 function(point_surfaces_plugin name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_library(${name}_spec STATIC ${ARG_SOURCES})
@@ -21,6 +22,7 @@ function(point_surfaces_plugin name)
             SKIP_BUILD_RPATH ON
             LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/plugin.map
             LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/plugins/${host})
+        add_dependencies(plugins ${target})
         install(TARGETS ${target} LIBRARY DESTINATION ${host} COMPONENT ${host})
     endforeach()
 endfunction()

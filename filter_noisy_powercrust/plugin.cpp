@@ -52,7 +52,7 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options&
     result.warnings = std::move(crust.warnings);
 
     plugin::NewLayer surface;
-    surface.name = layer.name + " noisy power crust";
+    surface.name = "Noisy power crust of " + plugin::name_without_ending(layer);
     surface.mesh = std::move(crust.mesh);
     surface.source = plugin::pick(used, crust.nearest_sample);
     result.new_layers.push_back(std::move(surface));

@@ -20,6 +20,12 @@ double typed_decimal(double value)
     return decimal;
 }
 
+std::string name_without_ending(const InputLayer& layer)
+{
+    const std::size_t dot = layer.name.rfind('.');
+    return dot == std::string::npos || dot == 0 ? layer.name : layer.name.substr(0, dot);
+}
+
 std::vector<int> vertices_to_use(const InputLayer& layer, bool selected_only)
 {
     const int n = static_cast<int>(layer.points.size());

@@ -27,6 +27,9 @@ struct InputLayer
     int faces = 0;
 };
 
+/// The layer's name for naming new layers after it: MeshLab's labels are often file names, and their ending says nothing.
+std::string name_without_ending(const InputLayer& layer);
+
 /// Vertices that a filter works on: all, or the selected ones.
 /// \throws InvalidInput if the layer has no vertices, or none is selected.
 std::vector<int> vertices_to_use(const InputLayer& layer, bool selected_only);
