@@ -73,10 +73,9 @@ int main(int argc, char** argv)
                 const recon::NoisyPowerCrust crust = recon::reconstruct_noisy_power_crust(cloud, options);
                 const double ratio = (cpu_seconds() - begin) / unit;
                 const checks::MeshReport report = checks::examine_mesh(crust.mesh);
-                const double volume = model.genus >= 0 ? report.volume / model.volume : 0;
+                const double volume = report.volume / model.volume;
                 const bool ok = report.is_closed_oriented_manifold() && report.components == 1 &&
-                                (model.genus < 0 ? report.volume > 0
-                                                 : report.genus() == model.genus && std::abs(volume - 1) < 0.03);
+                                report.genus() == model.genus && std::abs(volume - 1) < 0.03;
                 right += ok;
                 log_ratio += std::log(ratio);
                 const auto distance = truth.summarise(crust.mesh.vertices);

@@ -35,6 +35,48 @@ struct Element
     std::vector<Property> properties;
 };
 
+/// Closes each loop of boundary edges with a fan around its centroid, so that open models too have a genus and a volume.
+recon::TriangleMesh close_holes(const recon::TriangleMesh& mesh)
+{
+    std::map<std::pair<int, int>, int> directed;
+    for (const auto& t : mesh.triangles)
+        for (int e = 0; e < 3; ++e)
+            ++directed[{t[e], t[(e + 1) % 3]}];
+    std::map<int, int> parent; // of boundary vertices
+    const auto root = [&](int v)
+    {
+        while (parent[v] != v)
+            v = parent[v];
+        return v;
+    };
+    std::vector<std::pair<int, int>> boundary;
+    for (const auto& edge : directed)
+        if (!directed.count({edge.first.second, edge.first.first}))
+        {
+            boundary.push_back(edge.first);
+            parent.emplace(edge.first.first, edge.first.first);
+            parent.emplace(edge.first.second, edge.first.second);
+            parent[root(edge.first.first)] = root(edge.first.second);
+        }
+    recon::TriangleMesh closed = mesh;
+    std::map<int, std::pair<recon::Point, int>> sums;
+    for (const auto& entry : parent)
+    {
+        auto& sum = sums.emplace(root(entry.first), std::make_pair(recon::Point::Zero().eval(), 0)).first->second;
+        sum.first += mesh.vertices[entry.first];
+        ++sum.second;
+    }
+    std::map<int, int> centre;
+    for (const auto& sum : sums)
+    {
+        centre[sum.first] = int(closed.vertices.size());
+        closed.vertices.push_back(sum.second.first / sum.second.second);
+    }
+    for (const auto& edge : boundary)
+        closed.triangles.push_back({edge.second, edge.first, centre[root(edge.first)]});
+    return closed;
+}
+
 double read_value(std::istream& in, const std::string& type, bool ascii)
 {
     if (ascii)
@@ -142,9 +184,8 @@ Model load_model(const std::string& path)
     model.diagonal = recon::bounding_box(model.mesh.vertices).diagonal();
     if (!model.mesh.triangles.empty())
     {
-        const checks::MeshReport report = checks::examine_mesh(model.mesh);
-        if (report.closed)
-            model.genus = report.genus();
+        const checks::MeshReport report = checks::examine_mesh(close_holes(model.mesh));
+        model.genus = report.genus();
         model.volume = report.volume;
     }
     return model;

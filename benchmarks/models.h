@@ -14,8 +14,8 @@ struct Model
     recon::TriangleMesh mesh;
     recon::Vectors normals; ///< Empty, or one per vertex.
     double diagonal = 0;
-    int genus = -1; ///< Of a closed mesh, else -1.
-    double volume = 0;
+    int genus = 0; ///< With every hole closed by a fan around its centroid; 0 for a point cloud.
+    double volume = 0; ///< Likewise.
 };
 Model load_model(const std::string& path);
 void save_ply(const std::string& path, const recon::TriangleMesh& mesh);

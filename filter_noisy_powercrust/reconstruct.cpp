@@ -15,9 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
-#include <random>
 
 namespace recon
 {
@@ -34,17 +32,18 @@ void check(const NoisyPowerCrustOptions& options)
         throw InvalidInput("deep_intersection must lie between 0 (weighed in samples) and 1.");
 }
 
-/// Distinct points in the unit frame, in a fixed random order, so that every stride through them is an even subset.
-Points shuffled_unit_points(const Points& points, const UnitFrame& frame)
+/// Distinct points in the unit frame, along a space-filling curve.
+Points ordered_unit_points(const Points& points, const UnitFrame& frame)
 {
-    std::vector<int> order = find_distinct_points(points).first_index;
-    std::mt19937_64 random(1);
-    for (std::size_t i = order.size(); i > 1; --i)
-        std::swap(order[i - 1], order[random() % i]);
     Points result;
-    result.reserve(order.size() + box_corner_count);
-    for (const int i : order)
-        result.push_back(frame.to_unit(points[i]));
+    result.reserve(points.size() + box_corner_count);
+    const Point* previous = nullptr;
+    for (const int i : order_along_curve(points))
+    {
+        if (!previous || points[i] != *previous)
+            result.push_back(frame.to_unit(points[i]));
+        previous = &points[i];
+    }
     return result;
 }
 
@@ -88,7 +87,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     NoisyPowerCrust result;
     PhaseTimes times;
     times.begin("delaunay");
-    Points samples = shuffled_unit_points(points, frame);
+    Points samples = ordered_unit_points(points, frame);
     result.points_used = int(samples.size());
     const Points free_samples = samples; // without the corners of the box
     append_box_corners(samples);
@@ -150,6 +149,9 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     for (int i = 0; i < graph.nodes; ++i)
         graph.is_root[i] |= attraction.is_on_hull[i];
     std::vector<Side> labels = label_by_contraction(graph);
+    std::vector<Side> by_potential = label_by_potential(graph);
+    if (measure_energy(graph, by_potential) < measure_energy(graph, labels))
+        labels = std::move(by_potential);
     result.violated_votes = measure_violated_repulsion(votes, labels).share();
     progress.part(0.7, 0.8, "labels").report(1);
 
@@ -163,12 +165,15 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         if (is_small[i] && margins[i] < 0.6 && !kept.is_outside[i])
             doubtful.push_back(i);
     }
-    diagram.remove(doubtful);
-    regular = diagram.triangulation();
-    const BallNeighbours neighbours(regular, graph.nodes);
-    absorb_islands(neighbours, graph.is_root, 0.02, labels);
-    absorb_islands(neighbours, graph.is_root, 0.02, labels);
-    cut_handles(regular, neighbours, graph.is_root, is_small, margins, {}, labels);
+    if (!doubtful.empty())
+    {
+        diagram.remove(doubtful);
+        regular = diagram.triangulation();
+    }
+    // The second round sees what the first joined.
+    for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, 0.02, labels) > 0; ++round)
+        continue;
+    cut_handles(regular, graph.is_root, is_small, margins, {}, labels);
     progress.part(0.8, 0.9, "repair").report(1);
 
     times.begin("crust");

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
+#include <numeric>
 #include <unordered_map>
 
 namespace recon
@@ -62,8 +62,8 @@ private:
 
 /// Whether the balls `seeds`, all on one side, are connected through that side without passing `excluded`. Searches from all
 /// of them in turn, so that it ends as soon as the smallest region is exhausted.
-bool are_connected_without(int excluded, const std::vector<int>& seeds, const BallNeighbours& neighbours,
-                           const std::vector<Side>& labels)
+bool are_connected_without(int excluded, const std::vector<int>& seeds, const Triangulation& regular,
+                           const CellsAtVertices& at, const std::vector<Side>& labels)
 {
     const Side side = labels[seeds.front()];
     std::vector<int> parent(seeds.size());
@@ -92,22 +92,22 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Ba
                 return false;
             next.clear();
             for (const int ball : frontier[i])
-                for (int k = neighbours.first[ball]; k < neighbours.first[ball + 1]; ++k)
-                {
-                    const int other = neighbours.ball[k];
-                    if (other == excluded || labels[other] != side)
-                        continue;
-                    const auto inserted = region.emplace(other, i);
-                    if (inserted.second)
-                        next.push_back(other);
-                    else if (const int met = root(inserted.first->second); met != i)
+                for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
+                    for (const int other : regular.cells[at.cell[k]].vertices)
                     {
-                        // The merged region goes on from both frontiers; i stays its representative.
-                        parent[met] = i;
-                        next.insert(next.end(), frontier[met].begin(), frontier[met].end());
-                        --separate;
+                        if (other == excluded || other == Triangulation::infinite || labels[other] != side)
+                            continue;
+                        const auto inserted = region.emplace(other, i);
+                        if (inserted.second)
+                            next.push_back(other);
+                        else if (const int met = root(inserted.first->second); met != i)
+                        {
+                            // The merged region goes on from both frontiers; i stays its representative.
+                            parent[met] = i;
+                            next.insert(next.end(), frontier[met].begin(), frontier[met].end());
+                            --separate;
+                        }
                     }
-                }
             frontier[i].swap(next);
         }
     return true;
@@ -115,104 +115,64 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Ba
 
 } // namespace
 
-BallNeighbours::BallNeighbours(const Triangulation& regular, int ball_count)
-{
-    // Each edge once from every cell at it, both ways; then sorted and unique per row.
-    first.assign(std::size_t(ball_count) + 1, 0);
-    const auto for_each_pair = [&](auto&& act)
-    {
-        for (const auto& cell : regular.cells)
-            for (int i = 0; i < 4; ++i)
-                for (int j = 0; j < 4; ++j)
-                    if (i != j && cell.vertices[i] != Triangulation::infinite && cell.vertices[j] != Triangulation::infinite)
-                        act(cell.vertices[i], cell.vertices[j]);
-    };
-    for_each_pair([&](int a, int) { ++first[a + 1]; });
-    for (int i = 0; i < ball_count; ++i)
-        first[i + 1] += first[i];
-    ball.resize(std::size_t(first.back()));
-    std::vector<int> next(first.begin(), first.end() - 1);
-    for_each_pair([&](int a, int b) { ball[next[a]++] = b; });
-    int write = 0;
-    for (int i = 0; i < ball_count; ++i)
-    {
-        const auto begin = ball.begin() + first[i], end = ball.begin() + next[i];
-        std::sort(begin, end);
-        const auto last = std::unique(begin, end);
-        first[i] = write;
-        write = int(std::move(begin, last, ball.begin() + write) - ball.begin());
-    }
-    first[ball_count] = write;
-    ball.resize(std::size_t(write));
-}
-
-int absorb_islands(const BallNeighbours& neighbours, const std::vector<char>& is_root, double share, std::vector<Side>& labels)
+int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, double share, std::vector<Side>& labels)
 {
     const int n = int(labels.size());
-    std::vector<int> component(std::size_t(n), -1);
-    struct Component
+    std::vector<int> parent(static_cast<std::size_t>(n));
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i)
     {
-        Side side;
-        int size;
-        bool has_root;
+        while (parent[i] != i)
+            i = parent[i] = parent[parent[i]];
+        return i;
     };
-    std::vector<Component> components;
-    std::vector<int> stack;
-    for (int seed = 0; seed < n; ++seed)
-    {
-        if (component[seed] >= 0 || neighbours.first[seed] == neighbours.first[seed + 1])
-            continue;
-        const int number = int(components.size());
-        components.push_back({labels[seed], 0, false});
-        component[seed] = number;
-        stack.push_back(seed);
-        while (!stack.empty())
+    std::vector<char> is_visible(std::size_t(n), 0);
+    for (const auto& cell : regular.cells)
+        for (int i = 0; i < 4; ++i)
         {
-            const int ball = stack.back();
-            stack.pop_back();
-            ++components[number].size;
-            components[number].has_root |= is_root[ball] != 0;
-            for (int k = neighbours.first[ball]; k < neighbours.first[ball + 1]; ++k)
-            {
-                const int other = neighbours.ball[k];
-                if (component[other] < 0 && labels[other] == labels[ball])
+            const int a = cell.vertices[i];
+            if (a == Triangulation::infinite)
+                continue;
+            is_visible[a] = 1;
+            for (int j = 0; j < i; ++j)
+                if (const int b = cell.vertices[j]; b != Triangulation::infinite && labels[a] == labels[b])
                 {
-                    component[other] = number;
-                    stack.push_back(other);
+                    const int first = root(a), second = root(b);
+                    parent[std::max(first, second)] = std::min(first, second);
                 }
-            }
         }
-    }
+    std::vector<int> size(std::size_t(n), 0);
+    std::vector<char> has_root(std::size_t(n), 0);
     int largest = 0;
-    for (const Component& c : components)
-        if (c.side == Side::inner)
-            largest = std::max(largest, c.size);
-    int turned = 0;
     for (int i = 0; i < n; ++i)
-        if (component[i] >= 0)
+        if (is_visible[i])
         {
-            const Component& c = components[component[i]];
-            if (!c.has_root && c.size < share * largest)
-            {
-                labels[i] = opposite(labels[i]);
-                ++turned;
-            }
+            const int component = root(i);
+            ++size[component];
+            has_root[component] |= is_root[i];
+            if (labels[i] == Side::inner)
+                largest = std::max(largest, size[component]);
         }
-    return turned;
+    std::vector<int> turned;
+    for (int i = 0; i < n; ++i)
+        if (is_visible[i] && !has_root[root(i)] && size[root(i)] < share * largest)
+            turned.push_back(i);
+    for (const int i : turned)
+        labels[i] = opposite(labels[i]);
+    return int(turned.size());
 }
 
-int cut_handles(const Triangulation& regular, const BallNeighbours& neighbours, const std::vector<char>& is_root,
-                const std::vector<char>& is_small, const std::vector<double>& margins, const HandleRepairOptions& options,
-                std::vector<Side>& labels)
+int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,
+                const std::vector<double>& margins, const HandleRepairOptions& options, std::vector<Side>& labels)
 {
     const int n = int(labels.size());
-    const CellsAtVertices at = list_cells_at_vertices(regular, n);
     std::vector<int> candidates;
     for (int i = 0; i < n; ++i)
-        if (!is_root[i] && is_small[i] && margins[i] < options.highest_margin && at.first[i] < at.first[i + 1])
+        if (!is_root[i] && is_small[i] && margins[i] < options.highest_margin)
             candidates.push_back(i);
     std::sort(candidates.begin(), candidates.end(),
               [&](int a, int b) { return margins[a] != margins[b] ? margins[a] < margins[b] : a < b; });
+    const CellsAtVertices at = list_cells_at_vertices(regular, n);
     int total = 0;
     for (int round = 0; round < options.rounds; ++round)
     {
@@ -221,15 +181,16 @@ int cut_handles(const Triangulation& regular, const BallNeighbours& neighbours, 
         {
             const Side side = labels[ball];
             bool on_interface = false;
-            for (int k = neighbours.first[ball]; k < neighbours.first[ball + 1]; ++k)
-                on_interface |= labels[neighbours.ball[k]] != side;
+            for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
+                for (const int other : regular.cells[at.cell[k]].vertices)
+                    on_interface |= other != Triangulation::infinite && labels[other] != side;
             if (!on_interface)
                 continue;
             Link link(regular, at, ball, labels);
             const std::vector<int> own = link.pieces(side, labels);
             if (own.size() < 2 || own.size() <= link.pieces(opposite(side), labels).size())
                 continue;
-            if (!are_connected_without(ball, own, neighbours, labels))
+            if (!are_connected_without(ball, own, regular, at, labels))
                 continue;
             labels[ball] = opposite(side);
             ++turned;

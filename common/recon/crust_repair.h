@@ -1,6 +1,5 @@
 #pragma once
 
-#include <recon/power_diagram.h>
 #include <recon/signed_labelling.h>
 #include <recon/triangulation.h>
 
@@ -9,19 +8,9 @@
 namespace recon
 {
 
-/// Neighbouring balls of a power diagram as compressed rows, with the cells at each ball.
-struct BallNeighbours
-{
-    std::vector<int> first;
-    std::vector<int> ball;
-
-    BallNeighbours(const Triangulation& regular, int ball_count);
-};
-
 /// Turns over inner islands and outer voids that hold fewer balls than `share` of the largest inner component.
 /// Hidden balls and the root are left alone. \returns the number of balls turned.
-int absorb_islands(const BallNeighbours& neighbours, const std::vector<char>& is_root, double share,
-                   std::vector<Side>& labels);
+int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, double share, std::vector<Side>& labels);
 
 /// Cuts handles and fills tunnels that hang on doubtful small balls: a ball on the interface with margin below
 /// `highest_margin` and radius below `largest_radius` of its own takes the other side if its neighbours on its own side fall
@@ -32,8 +21,7 @@ struct HandleRepairOptions
     double highest_margin = 0.8;
     int rounds = 5;
 };
-int cut_handles(const Triangulation& regular, const BallNeighbours& neighbours, const std::vector<char>& is_root,
-                const std::vector<char>& is_small, const std::vector<double>& margins, const HandleRepairOptions& options,
-                std::vector<Side>& labels);
+int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,
+                const std::vector<double>& margins, const HandleRepairOptions& options, std::vector<Side>& labels);
 
 } // namespace recon

@@ -49,7 +49,7 @@ Triangulation triangulate_delaunay(const Points& points, const Progress& progres
             hint->info() = int(order[i]);
     }
 
-    Triangulation flat = flatten_triangulation(delaunay);
+    Triangulation flat = flatten_triangulation(delaunay, points.size());
     flat.centres.resize(std::size_t(flat.finite_cells));
     for (int c = 0; c < flat.finite_cells; ++c)
     {

@@ -103,7 +103,7 @@ void PowerDiagram::remove(const std::vector<int>& balls)
 Triangulation PowerDiagram::triangulation() const
 {
     const Regular& r = *regular_;
-    Triangulation flat = flatten_triangulation(regular_->triangulation);
+    Triangulation flat = flatten_triangulation(regular_->triangulation, r.centres.size());
     flat.centres.resize(std::size_t(flat.finite_cells));
     for (int c = 0; c < flat.finite_cells; ++c)
     {

@@ -1,5 +1,8 @@
 #include <recon/signed_labelling.h>
 
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -268,6 +271,71 @@ std::vector<Side> label_by_contraction(const SignedGraph& graph)
         int parity = root_parity;
         if (forest.find(i, parity) == root_cluster)
             labels[i] = parity ? Side::inner : Side::outer;
+    }
+    improve_labels(graph, labels);
+    return labels;
+}
+
+std::vector<Side> label_by_potential(const SignedGraph& graph)
+{
+    const int n = graph.nodes;
+    ParityForest forest(n);
+    const auto join = [&](int a, int b)
+    {
+        int ignored = 0;
+        a = forest.find(a, ignored);
+        b = forest.find(b, ignored);
+        if (a != b)
+            forest.hang(std::max(a, b), std::min(a, b), 0);
+    };
+    int root = -1;
+    for (int i = 0; i < n; ++i)
+        if (graph.is_root[i])
+        {
+            root = root < 0 ? i : root;
+            join(root, i);
+        }
+    for (const auto& pair : graph.merged)
+        join(pair[0], pair[1]);
+    std::vector<int> unknown(std::size_t(n), -1);
+    int unknowns = 0, ignored = 0;
+    const int root_cluster = root < 0 ? -1 : forest.find(root, ignored);
+    for (int i = 0; i < n; ++i)
+        if (forest.find(i, ignored) == i && i != root_cluster)
+            unknown[i] = unknowns++;
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns), diagonal = Eigen::VectorXd::Constant(unknowns, 1e-6);
+    for (const SignedEdge& e : graph.edges)
+    {
+        const int a = forest.find(e.a, ignored), b = forest.find(e.b, ignored);
+        if (a == b)
+            continue;
+        for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+        {
+            if (from == root_cluster)
+                continue;
+            diagonal[unknown[from]] += std::abs(e.weight);
+            if (to == root_cluster)
+                right[unknown[from]] += e.weight;
+            else
+                entries.emplace_back(unknown[from], unknown[to], -e.weight);
+        }
+    }
+    for (int i = 0; i < unknowns; ++i)
+        entries.emplace_back(i, i, diagonal[i]);
+    Eigen::SparseMatrix<double, Eigen::RowMajor> laplacian(unknowns, unknowns);
+    laplacian.setFromTriplets(entries.begin(), entries.end());
+    Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper> solver;
+    solver.setTolerance(1e-4);
+    solver.setMaxIterations(1000);
+    solver.compute(laplacian);
+    const Eigen::VectorXd potential = solver.solve(right);
+    std::vector<Side> labels(std::size_t(n), Side::outer);
+    for (int i = 0; i < n; ++i)
+    {
+        const int cluster = forest.find(i, ignored);
+        if (cluster != root_cluster && !(potential[unknown[cluster]] > 0))
+            labels[i] = Side::inner;
     }
     improve_labels(graph, labels);
     return labels;

@@ -33,6 +33,11 @@ struct SignedGraph
 /// change sides while that lowers the violated weight.
 std::vector<Side> label_by_contraction(const SignedGraph& graph);
 
+/// Labels by the signs of the least-squares potential: 1 at the root, equal across attractions, opposite across repulsions
+/// (signed Laplacian, conjugate gradients). Sees the whole balance at once, where contraction decides the heaviest edge
+/// first: a large hole is a few heavy attractions against thousands of light votes. Then single nodes change sides.
+std::vector<Side> label_by_potential(const SignedGraph& graph);
+
 /// Changes sides of single nodes (never the root) while that lowers the violated weight.
 void improve_labels(const SignedGraph& graph, std::vector<Side>& labels);
 
