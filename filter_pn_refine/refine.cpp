@@ -1,0 +1,290 @@
+#include "refine.h"
+
+#include "initial_fans.h"
+#include "normal_repair.h"
+#include "refine_leaf.h"
+#include "usable_samples.h"
+
+#include <recon/errors.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace recon
+{
+namespace
+{
+
+using namespace pn;
+
+constexpr double radians = 0.017453292519943295;
+
+void check_options(const OrientedSamples& samples, const PnRefineOptions& options, const PnRefineHints& hints)
+{
+    const auto require = [](bool holds, const std::string& message)
+    {
+        if (!holds)
+            throw InvalidInput(message);
+    };
+    require(samples.points.size() == samples.normals.size(), "There must be one normal for each point.");
+    require(hints.radii.empty() || hints.radii.size() == samples.points.size(), "There must be one radius for each point.");
+    require(hints.is_refined.empty() || hints.is_refined.size() == samples.points.size(),
+            "There must be one mark for each point that says whether it is refined.");
+    require(options.steps >= 0 && options.steps <= 30, "The number of steps must lie between 0 and 30.");
+    const auto is_length = [](double x) { return x >= 0 && std::isfinite(x); };
+    require(is_length(options.target_radius), "The target radius must be 0 (off) or more.");
+    require(is_length(options.initial_radius), "The initial radius must be 0 (automatic) or more.");
+    require(is_length(options.hole_radius), "The hole radius must be 0 (off) or more.");
+    require(options.boundary_angle >= 120 && options.boundary_angle <= 180,
+            "The boundary angle must lie between 120 and 180 degrees.");
+    require(options.crease_angle >= 0 && options.crease_angle <= 180,
+            "The crease angle must lie between 0 and 180 degrees.");
+    require(options.max_points >= 1, "The largest number of points must be 1 or more.");
+}
+
+Precision choose_precision(const PnRefineOptions& options)
+{
+    if (options.fast)
+        return Precision::fast;
+    switch (options.neighbourhood)
+    {
+    case PnNeighbourhood::fuzzy: return Precision::fuzzy;
+    case PnNeighbourhood::accurate: return Precision::accurate;
+    default: return Precision::automatic;
+    }
+}
+
+std::string count_of(int n, const std::string& one, const std::string& many)
+{
+    return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+void warn_of_left_out(const UsableSamples& usable, PnRefinement& result)
+{
+    if (usable.without_normal > 0)
+        result.warnings.push_back(count_of(usable.without_normal, "point has", "points have") +
+                                  " no normal and took no part.");
+    if (usable.duplicates > 0)
+        result.warnings.push_back(count_of(usable.duplicates, "duplicate point", "duplicate points") + " took no part.");
+    if (usable.isolated > 0)
+        result.warnings.push_back(count_of(usable.isolated, "isolated point", "isolated points") + " took no part.");
+    result.left_out = usable.without_normal + usable.duplicates + usable.isolated;
+}
+
+/// Radii for the first step: given, chosen for all, or from the fans.
+std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans& fans, const PnRefineOptions& options,
+                                 const PnRefineHints& hints, double scale)
+{
+    std::vector<double> radii = fans.radius;
+    const double rim = options.boundary_angle * radians;
+    for (std::size_t i = 0; i < radii.size(); ++i)
+    {
+        double given = options.initial_radius;
+        if (given == 0 && !hints.radii.empty())
+            given = hints.radii[std::size_t(usable.input[i])];
+        if (given > 0 && std::isfinite(given))
+            radii[i] = given / scale;
+        if (options.hole_radius > 0 && fans.widest_gap[i] > rim)
+            radii[i] = std::max(radii[i], 2 * options.hole_radius / scale);
+        // Across the whole cloud nothing is a neighbourhood; a wild radius given must not make every point one.
+        radii[i] = std::min(radii[i], 1.0);
+    }
+    return radii;
+}
+
+class Refinement
+{
+public:
+    Refinement(const OrientedSamples& input, const PnRefineOptions& options, const PnRefineHints& hints)
+        : options_(options), frame_(input.points), threads_(resolve_threads(options.threads)),
+          input_count_(int(input.points.size())), hints_(hints)
+    {
+    }
+
+    PnRefinement run(const OrientedSamples& input, const Progress& progress)
+    {
+        PhaseTimes times;
+        times.begin("prepare");
+        UsableSamples usable = choose_usable_samples(input, frame_, options_.crease_angle * radians, threads_,
+                                                     progress.part(0, 0.03, "choosing points"));
+        warn_of_left_out(usable, result_);
+        if (usable.input.empty())
+            throw InvalidInput("No point has a normal: compute normals first.");
+        const NeighbourSearch search(usable.samples.points);
+        if (options_.repair_normals)
+            repair(usable, search, progress.part(0.03, 0.06, "normals"));
+        times.begin("radii");
+        const InitialFans fans =
+            find_initial_fans(usable.samples, search, 1.5, threads_, progress.part(0.06, 0.15, "radii"));
+        start(usable, choose_radii(usable, fans, options_, hints_, frame_.scale()));
+        times.end();
+
+        // Steps take time by how many points they make.
+        double total = 0, done = 0;
+        for (int s = 0; s < options_.steps; ++s)
+            total += std::pow(2.3, s);
+        for (int s = 0; s < options_.steps; ++s)
+        {
+            const double share = std::pow(2.3, s);
+            const Progress part = progress.part(0.15 + 0.85 * done / total, 0.15 + 0.85 * (done + share) / total,
+                                                "step " + std::to_string(s + 1));
+            if (!refine_level(part, times))
+                break;
+            done += share;
+        }
+        finish(usable);
+        result_.seconds = times.seconds();
+        return std::move(result_);
+    }
+
+private:
+    void repair(UsableSamples& usable, const NeighbourSearch& search, const Progress& progress)
+    {
+        for (int i : turn_contradicting_normals(usable.samples, search, threads_, progress))
+            result_.turned_normals.push_back(usable.input[std::size_t(i)]);
+        if (!result_.turned_normals.empty())
+            result_.warnings.push_back(count_of(int(result_.turned_normals.size()), "normal was", "normals were") +
+                                       " turned over, since most neighbours contradict.");
+    }
+
+    void start(const UsableSamples& usable, const std::vector<double>& radii)
+    {
+        const double target = options_.target_radius / frame_.scale();
+        std::vector<WorkPoint> points(usable.input.size());
+        for (std::size_t i = 0; i < points.size(); ++i)
+        {
+            WorkPoint& p = points[i];
+            p.position = usable.samples.points[i];
+            p.normal = usable.samples.normals[i];
+            p.radius = radii[i];
+            p.id = usable.input[i];
+            const bool is_frozen = !hints_.is_refined.empty() && !hints_.is_refined[std::size_t(usable.input[i])];
+            p.flags = is_frozen ? WorkPoint::frozen : (p.radius > target && p.radius > 0 ? WorkPoint::refined : 0u);
+        }
+        level_ = make_level(std::move(points));
+    }
+
+    /// \returns false if nothing was done.
+    bool refine_level(const Progress& progress, PhaseTimes& times)
+    {
+        times.begin("leaves");
+        const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name));
+        if (graph.colours.empty())
+            return false;
+        std::vector<std::vector<Child>> children(level_.leaves.size());
+        std::vector<double> next_radius(level_.points.size(), 0.0);
+        std::vector<int> open_gaps(level_.leaves.size(), 0);
+        for (std::size_t i = 0; i < level_.points.size(); ++i)
+            if (!(level_.points[i].flags & WorkPoint::refined))
+                next_radius[i] = level_.points[i].radius;
+
+        times.begin("refine");
+        const RefineStep step{level_, graph, choose_precision(options_), children, next_radius, open_gaps};
+        double done = 0;
+        for (const std::vector<int>& colour : graph.colours)
+        {
+            const double share = double(colour.size()) / double(level_.leaves.size());
+            parallel_for(
+                colour.size(), threads_, progress.part(0.05 + 0.85 * done, 0.05 + 0.85 * (done + share), progress_name),
+                [&](std::size_t k) { refine_leaf(step, colour[k]); }, 4);
+            done += share;
+        }
+
+        times.begin("grow");
+        std::vector<int> first(children.size() + 1, 0);
+        for (std::size_t i = 0; i < children.size(); ++i)
+            first[i + 1] = first[i] + int(children[i].size());
+        const int made = first.back();
+        const int before = input_count_ + int(result_.points.size());
+        if (double(before) + made > options_.max_points)
+        {
+            result_.warnings.push_back("Stopped at " + std::to_string(before) +
+                                       " points: the next step would make more than the largest number allowed (" +
+                                       std::to_string(options_.max_points) + ").");
+            return false;
+        }
+        append(children, first, made, before);
+        level_ = grow_level(level_, children, next_radius, options_.target_radius / frame_.scale(), threads_,
+                            progress.part(0.9, 1, progress_name));
+        describe_step(before + made, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
+        times.end();
+        return made > 0;
+    }
+
+    /// Gives the children their ids and lists them in the result.
+    void append(std::vector<std::vector<Child>>& children, const std::vector<int>& first, int made, int before)
+    {
+        const std::size_t old = result_.points.size();
+        result_.points.resize(old + std::size_t(made));
+        result_.normals.resize(old + std::size_t(made));
+        result_.parents.resize(old + std::size_t(made));
+        parallel_for(
+            children.size(), threads_, {},
+            [&](std::size_t i)
+            {
+                for (std::size_t k = 0; k < children[i].size(); ++k)
+                {
+                    Child& child = children[i][k];
+                    const std::size_t place = std::size_t(first[i]) + k;
+                    child.point.id = before + int(place);
+                    result_.points[old + place] = frame_.from_unit(child.point.position);
+                    result_.normals[old + place] = child.point.normal;
+                    result_.parents[old + place] = child.parents;
+                }
+            },
+            256);
+    }
+
+    void describe_step(int points, int open_gaps)
+    {
+        PnStepStatistics s;
+        s.points = points;
+        s.open_gaps = open_gaps;
+        std::vector<float> radii;
+        radii.reserve(level_.points.size());
+        for (const WorkPoint& p : level_.points)
+            radii.push_back(float(p.radius));
+        const auto middle = radii.begin() + std::ptrdiff_t(radii.size() / 2);
+        std::nth_element(radii.begin(), middle, radii.end());
+        s.median_radius = *middle * frame_.scale();
+        s.smallest_radius = *std::min_element(radii.begin(), radii.end()) * frame_.scale();
+        s.largest_radius = *std::max_element(radii.begin(), radii.end()) * frame_.scale();
+        result_.steps.push_back(s);
+    }
+
+    void finish(const UsableSamples&)
+    {
+        result_.input_radii.assign(std::size_t(input_count_), 0.0);
+        result_.radii.resize(result_.points.size());
+        for (const WorkPoint& p : level_.points)
+        {
+            const double radius = p.radius * frame_.scale();
+            if (p.id < input_count_)
+                result_.input_radii[std::size_t(p.id)] = radius;
+            else
+                result_.radii[std::size_t(p.id - input_count_)] = radius;
+        }
+    }
+
+    const std::string progress_name = "refining";
+    const PnRefineOptions& options_;
+    const UnitFrame frame_;
+    const int threads_;
+    const int input_count_;
+    const PnRefineHints& hints_;
+    Level level_;
+    PnRefinement result_;
+};
+
+} // namespace
+
+PnRefinement refine_points(const OrientedSamples& samples, const PnRefineOptions& options, const PnRefineHints& hints,
+                           const Progress& progress)
+{
+    check_options(samples, options, hints);
+    return Refinement(samples, options, hints).run(samples, progress);
+}
+
+} // namespace recon

@@ -1,0 +1,536 @@
+#include "refine_leaf.h"
+
+#include "pn_triangle.h"
+#include "ring.h"
+
+#include <algorithm>
+
+namespace recon::pn
+{
+namespace
+{
+
+constexpr float full_turn = 6.28318531f, half_turn = 3.14159265f;
+
+/// New points near the centre, in its frame.
+struct Arrivals
+{
+    int count = 0;
+    alignas(64) float x[ring_capacity], y[ring_capacity], z[ring_capacity], length[ring_capacity], angle[ring_capacity],
+        radius[ring_capacity];
+    int source[ring_capacity];
+    bool is_neighbour[ring_capacity]; ///< Belongs to N' already, or cannot.
+    bool is_compatible[ring_capacity];
+};
+
+/// Centres of the fan's triangles.
+struct Candidates
+{
+    int count = 0;
+    alignas(64) float x[ring_capacity], y[ring_capacity], z[ring_capacity], angle[ring_capacity];
+    int a[ring_capacity], b[ring_capacity];
+    bool is_used[ring_capacity];
+};
+
+/// One of N', sorted by angle.
+struct Neighbour
+{
+    float angle, x, y, z, length;
+    Eigen::Vector3f normal;
+    int source;      ///< Among the local points.
+    bool is_new;
+    float gap;       ///< Angle to the next.
+    bool is_dead;    ///< Nothing can fill the gap.
+};
+
+struct Workspace
+{
+    LocalPoints old_points, new_points;
+    std::vector<float> next;          ///< Per old local point: radius to raise it to.
+    std::vector<float> radius_before; ///< Per new local point.
+    std::vector<int> classes, hits, rejected;
+    Ring ring;
+    Arrivals arrivals;
+    Candidates candidates;
+    std::vector<Neighbour> neighbours;
+    Point centre;
+    double scale = 1;
+};
+
+void append_local(LocalPoints& to, const WorkPoint& p, const Workspace& w, int leaf, int index)
+{
+    if (to.count == int(to.x.size()))
+        to.reserve(std::max(256, 2 * to.count));
+    const auto n = std::size_t(to.count++);
+    const Vector d = (p.position - w.centre) * w.scale;
+    to.x[n] = float(d.x());
+    to.y[n] = float(d.y());
+    to.z[n] = float(d.z());
+    to.nx[n] = float(p.normal.x());
+    to.ny[n] = float(p.normal.y());
+    to.nz[n] = float(p.normal.z());
+    to.radius[n] = float(p.radius * w.scale);
+    to.leaf[n] = leaf;
+    to.index[n] = index;
+}
+
+/// Collects the old and new points within reach of the leaf; its own old points come first.
+void gather(const RefineStep& step, int self, Workspace& w)
+{
+    const Leaf& leaf = step.level.leaves[std::size_t(self)];
+    w.centre = leaf.box.centre();
+    w.scale = 1 / leaf.largest_radius;
+    const double reach2 = leaf.largest_radius * leaf.largest_radius;
+    // Exactly what other leaves of this colour cannot reach: they write radii meanwhile.
+    const auto is_near = [&](const Point& p)
+    { return (leaf.box.minimum - p).cwiseMax(p - leaf.box.maximum).cwiseMax(0.0).squaredNorm() <= reach2; };
+    w.old_points.clear();
+    w.new_points.clear();
+    const auto take = [&](int from)
+    {
+        const Leaf& other = step.level.leaves[std::size_t(from)];
+        for (int i = other.begin; i < other.end; ++i)
+            if (from == self || is_near(step.level.points[std::size_t(i)].position))
+                append_local(w.old_points, step.level.points[std::size_t(i)], w, from, i);
+        const std::vector<Child>& children = step.children[std::size_t(from)];
+        for (std::size_t i = 0; i < children.size(); ++i)
+            if (from == self || is_near(children[i].point.position))
+                append_local(w.new_points, children[i].point, w, from, int(i));
+    };
+    take(self);
+    for (int k = step.graph.first[std::size_t(self)]; k < step.graph.first[std::size_t(self) + 1]; ++k)
+        take(step.graph.neighbour[std::size_t(k)]);
+    w.next.assign(std::size_t(w.old_points.count), 0.f);
+    w.radius_before.assign(w.new_points.radius.begin(), w.new_points.radius.begin() + w.new_points.count);
+}
+
+/// Splits the local points around the centre into hits and rejected.
+PN_INLINE void find_near(const LocalPoints& points, const Centre& c, Workspace& w)
+{
+    const auto n = std::size_t(points.count);
+    if (w.classes.size() < n)
+    {
+        w.classes.resize(2 * n);
+        w.hits.reserve(2 * n);
+        w.rejected.reserve(2 * n);
+    }
+    classify_points(points, c, w.classes.data());
+    w.hits.resize(n);
+    int found = 0, rejected = 0;
+    int* hits = w.hits.data();
+    const int* classes = w.classes.data();
+    for (std::size_t j = 0; j < n; ++j)
+    {
+        hits[found] = int(j);
+        found += classes[j] == 1;
+        rejected += classes[j] == 2;
+    }
+    w.hits.resize(std::size_t(found));
+    w.rejected.clear();
+    if (rejected > 0)
+        for (std::size_t j = 0; j < n; ++j)
+            if (classes[j] == 2)
+                w.rejected.push_back(int(j));
+    if (found > ring_capacity - 24)
+        thin_hits(points, c, w.hits);
+}
+
+PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, const Workspace& w, Arrivals& a)
+{
+    a.count = 0;
+    const auto add = [&](int j, bool is_compatible)
+    {
+        const int k = a.count++;
+        const auto i = std::size_t(j);
+        a.source[k] = j;
+        a.is_compatible[k] = is_compatible;
+        a.is_neighbour[k] = !is_compatible;
+        a.x[k] = points.x[i];
+        a.y[k] = points.y[i];
+        a.z[k] = points.z[i];
+        a.radius[k] = points.radius[i] * c.inverse_radius;
+    };
+    for (int j : w.hits)
+        add(j, true);
+    for (std::size_t k = 0; k < w.rejected.size() && a.count < ring_capacity; ++k)
+        add(w.rejected[k], false);
+    for (int k = 0; k < a.count; ++k)
+    {
+        const float x = (a.x[k] - c.x) * c.inverse_radius, y = (a.y[k] - c.y) * c.inverse_radius,
+                    z = (a.z[k] - c.z) * c.inverse_radius;
+        const float u = x * c.e1[0] + y * c.e1[1] + z * c.e1[2], v = x * c.e2[0] + y * c.e2[1] + z * c.e2[2];
+        a.x[k] = x;
+        a.y[k] = y;
+        a.z[k] = z;
+        a.length[k] = std::sqrt(x * x + y * y + z * z);
+        a.angle[k] = fast_angle(u, v);
+    }
+}
+
+/// Third of |edge| along the edge turned into the plane of n: a PN tangent in single precision, for use on arrays.
+PN_INLINE void add_tangent(float ex, float ey, float ez, float nx, float ny, float nz, float& x, float& y, float& z)
+{
+    const float d2 = ex * ex + ey * ey + ez * ez, s = ex * nx + ey * ny + ez * nz;
+    const float f = d2 - s * s, flat = f > 1e-6f * d2 ? f : 1e-6f * d2 + 1e-30f;
+    const float g = std::sqrt(d2 / flat) * (1.f / 3);
+    x += (ex - s * nx) * g;
+    y += (ey - s * ny) * g;
+    z += (ez - s * nz) * g;
+}
+
+/// Centres of the triangles of the fan; none across a gap of half a turn or more, none from slivers.
+PN_INLINE void list_candidates(const Centre& c, const Ring& ring, const int* fan, int size, bool displaced, Candidates& out)
+{
+    int n = 0;
+    for (int k = 0; k < size && size > 1; ++k)
+    {
+        const int a = fan[k], b = fan[k + 1 == size ? 0 : k + 1];
+        if (turn(ring.angle[a], ring.angle[b]) >= half_turn - 1e-4f)
+            continue;
+        const float dx = ring.x[b] - ring.x[a], dy = ring.y[b] - ring.y[a], dz = ring.z[b] - ring.z[a];
+        const float cx = ring.y[a] * ring.z[b] - ring.z[a] * ring.y[b], cy = ring.z[a] * ring.x[b] - ring.x[a] * ring.z[b],
+                    cz = ring.x[a] * ring.y[b] - ring.y[a] * ring.x[b];
+        const float longest = std::max(dx * dx + dy * dy + dz * dz,
+                                       std::max(ring.length[a] * ring.length[a], ring.length[b] * ring.length[b]));
+        const float twice_area2 = cx * cx + cy * cy + cz * cz; // height / longest edge = twice_area / longest
+        if (twice_area2 < LocalRules::least_height * LocalRules::least_height * longest * longest)
+            continue;
+        if (ring.nx[a] * ring.nx[b] + ring.ny[a] * ring.ny[b] + ring.nz[a] * ring.nz[b] < 0)
+            continue;
+        out.a[n] = a;
+        out.b[n] = b;
+        out.is_used[n] = false;
+        ++n;
+    }
+    out.count = n;
+    for (int k = 0; k < n; ++k)
+    {
+        const int a = out.a[k], b = out.b[k];
+        float x = 0, y = 0, z = 0;
+        if (displaced)
+        {
+            const float ex = ring.x[b] - ring.x[a], ey = ring.y[b] - ring.y[a], ez = ring.z[b] - ring.z[a];
+            add_tangent(ex, ey, ez, ring.nx[a], ring.ny[a], ring.nz[a], x, y, z);
+            add_tangent(-ex, -ey, -ez, ring.nx[b], ring.ny[b], ring.nz[b], x, y, z);
+            x += ring.tx[a] + ring.tx[b];
+            y += ring.ty[a] + ring.ty[b];
+            z += ring.tz[a] + ring.tz[b];
+        }
+        out.x[k] = (ring.x[a] + ring.x[b]) * (1.f / 3) + x * (1.f / 6);
+        out.y[k] = (ring.y[a] + ring.y[b]) * (1.f / 3) + y * (1.f / 6);
+        out.z[k] = (ring.z[a] + ring.z[b]) * (1.f / 3) + z * (1.f / 6);
+        const float u = out.x[k] * c.e1[0] + out.y[k] * c.e1[1] + out.z[k] * c.e1[2],
+                    v = out.x[k] * c.e2[0] + out.y[k] * c.e2[1] + out.z[k] * c.e2[2];
+        out.angle[k] = fast_angle(u, v);
+    }
+}
+
+float measure_gap(const Neighbour& from, const Neighbour& to, bool curved)
+{
+    const float plane = &from == &to ? full_turn : turn(from.angle, to.angle);
+    // The curve bends an angle by far less than what lies outside these limits.
+    if (!curved || plane < 0.7f || plane >= half_turn)
+        return plane;
+    const PointNormal<float> a{{from.x, from.y, from.z}, from.normal}, b{{to.x, to.y, to.z}, to.normal};
+    return curved_angle<float>(Eigen::Vector3f::Zero(), a, b);
+}
+
+/// Inserts into N' by angle and measures the gaps on both sides. \returns its place.
+void join(std::vector<Neighbour>& list, const Neighbour& added, bool curved)
+{
+    std::size_t place = list.size();
+    while (place > 0 && list[place - 1].angle > added.angle)
+        --place;
+    list.insert(list.begin() + std::ptrdiff_t(place), added);
+    const std::size_t n = list.size(), before = place == 0 ? n - 1 : place - 1, after = place + 1 == n ? 0 : place + 1;
+    list[before].gap = measure_gap(list[before], list[place], curved);
+    list[before].is_dead = false;
+    list[place].gap = measure_gap(list[place], list[after], curved);
+    list[place].is_dead = false;
+}
+
+Neighbour from_arrival(Arrivals& a, int k, const LocalPoints& points)
+{
+    a.is_neighbour[k] = true;
+    const auto j = std::size_t(a.source[k]);
+    return {a.angle[k], a.x[k], a.y[k], a.z[k], a.length[k], {points.nx[j], points.ny[j], points.nz[j]}, int(j), true, 0, false};
+}
+
+/// The point that belongs to the triangle, in double. \returns false if it lies out of reach.
+bool make_child(const WorkPoint& p, const WorkPoint& a, const WorkPoint& b, Child& child)
+{
+    const PointNormal<double> p0{p.position, p.normal}, p1{a.position, a.normal}, p2{b.position, b.normal};
+    const PnTangents<double> t = pn_tangents(p0, p1, p2);
+    child.point.position = pn_centre(p0.position, p1.position, p2.position, t);
+    if (!((child.point.position - p.position).squaredNorm() <= p.radius * p.radius))
+        return false;
+    const Vector mean = (p.normal + a.normal + b.normal).normalized();
+    const Vector normal = pn_centre_normal(p0.position, p1.position, p2.position, t);
+    const double length = normal.norm();
+    // A patch that folds tells less than its corners.
+    child.point.normal = length > 0 && normal.dot(mean) >= 0.5 * length ? Vector(normal / length) : mean;
+    child.parents = {p.id, a.id, b.id};
+    return true;
+}
+
+PN_INLINE float distance2(float ax, float ay, float az, float bx, float by, float bz)
+{
+    return (ax - bx) * (ax - bx) + (ay - by) * (ay - by) + (az - bz) * (az - bz);
+}
+
+/// Whether a new point may not lie at (x, y, z): too near an old or a new point, or inside the discard space.
+PN_INLINE bool is_discarded(float x, float y, float z, const Ring& ring, const Arrivals& arrivals)
+{
+    constexpr float least2 = LocalRules::least_distance * LocalRules::least_distance;
+    int bad = 0;
+    for (int k = 0; k < ring.count; ++k)
+        bad |= int(distance2(x, y, z, ring.x[k], ring.y[k], ring.z[k]) < least2);
+    bad |= int(x * x + y * y + z * z < least2);
+    for (int k = 0; k < arrivals.count; ++k)
+    {
+        const float share = !arrivals.is_compatible[k] ? 0.f
+                            : arrivals.is_neighbour[k] ? LocalRules::discard_near
+                                                       : LocalRules::discard;
+        const float reach = std::max(share * arrivals.radius[k], LocalRules::least_distance);
+        bad |= int(distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]) < reach * reach);
+    }
+    return bad != 0;
+}
+
+struct PointRefiner
+{
+    const RefineStep& step;
+    Workspace& w;
+    int leaf;
+
+    const WorkPoint& old_point(int local) const
+    {
+        return step.level.points[std::size_t(w.old_points.index[std::size_t(local)])];
+    }
+
+    /// Fills the gaps of N' wider than theta_c. \returns true if one stays open.
+    PN_INLINE bool fill_gaps(const WorkPoint& p, const Centre& c, bool curved)
+    {
+        std::vector<Neighbour>& list = w.neighbours;
+        Candidates& candidates = w.candidates;
+        Arrivals& arrivals = w.arrivals;
+        bool is_open = false;
+        while (list.size() < 60)
+        {
+            std::size_t widest = list.size();
+            float gap = LocalRules::complete_angle, start = 0, width = full_turn;
+            for (std::size_t k = 0; k < list.size(); ++k)
+                if (!list[k].is_dead && list[k].gap > gap)
+                {
+                    gap = list[k].gap;
+                    widest = k;
+                }
+            if (widest == list.size() && !list.empty())
+                return is_open;
+            if (!list.empty())
+            {
+                const std::size_t next = widest + 1 == list.size() ? 0 : widest + 1;
+                start = list[widest].angle;
+                width = next == widest ? full_turn : turn(start, list[next].angle);
+            }
+
+            // The candidate in the gap's sector that halves it best.
+            int best = -1;
+            float best_score = 0;
+            for (int k = 0; k < candidates.count; ++k)
+            {
+                const float t = turn(start, candidates.angle[k]), score = std::min(t, width - t);
+                const bool better = !candidates.is_used[k] && score > best_score;
+                best = better ? k : best;
+                best_score = better ? score : best_score;
+            }
+            if (best >= 0)
+            {
+                candidates.is_used[best] = true;
+                const float x = candidates.x[best], y = candidates.y[best], z = candidates.z[best];
+                if (!is_discarded(x, y, z, w.ring, arrivals))
+                {
+                    insert(p, c, best, curved);
+                    continue;
+                }
+                // The nearest of the new points in this gap takes its place.
+                int nearest = -1;
+                float nearest2 = 1e30f;
+                for (int k = 0; k < arrivals.count; ++k)
+                {
+                    if (arrivals.is_neighbour[k] || turn(start, arrivals.angle[k]) >= width)
+                        continue;
+                    const float d2 = distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]);
+                    if (d2 < nearest2)
+                    {
+                        nearest = k;
+                        nearest2 = d2;
+                    }
+                }
+                if (nearest >= 0)
+                    join(list, from_arrival(arrivals, nearest, w.new_points), curved);
+                continue;
+            }
+            for (int k = 0; k < arrivals.count; ++k)
+            {
+                const float t = turn(start, arrivals.angle[k]), score = std::min(t, width - t);
+                if (!arrivals.is_neighbour[k] && score > best_score)
+                {
+                    best = k;
+                    best_score = score;
+                }
+            }
+            if (best >= 0)
+            {
+                join(list, from_arrival(arrivals, best, w.new_points), curved);
+                continue;
+            }
+            is_open = true;
+            if (list.empty())
+                return true;
+            list[widest].is_dead = true;
+        }
+        return is_open;
+    }
+
+    void insert(const WorkPoint& p, const Centre& c, int candidate, bool curved)
+    {
+        const Candidates& from = w.candidates;
+        Arrivals& a = w.arrivals;
+        Child child;
+        const WorkPoint& pa = old_point(w.ring.source[from.a[candidate]]);
+        const WorkPoint& pb = old_point(w.ring.source[from.b[candidate]]);
+        if (a.count >= ring_capacity || !make_child(p, pa, pb, child))
+            return;
+        std::vector<Child>& children = step.children[std::size_t(leaf)];
+        append_local(w.new_points, child.point, w, leaf, int(children.size()));
+        children.push_back(child);
+        const int local = w.new_points.count - 1, k = a.count++;
+        const auto j = std::size_t(local);
+        a.source[k] = local;
+        a.x[k] = (w.new_points.x[j] - c.x) * c.inverse_radius;
+        a.y[k] = (w.new_points.y[j] - c.y) * c.inverse_radius;
+        a.z[k] = (w.new_points.z[j] - c.z) * c.inverse_radius;
+        const float x = a.x[k], y = a.y[k], z = a.z[k];
+        a.length[k] = std::sqrt(x * x + y * y + z * z);
+        a.angle[k] = fast_angle(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]);
+        a.radius[k] = std::min(a.length[k], LocalRules::shrink);
+        w.new_points.radius[j] = a.radius[k] / c.inverse_radius;
+        a.is_compatible[k] = true;
+        join(w.neighbours, from_arrival(a, k, w.new_points), curved);
+    }
+
+    PN_INLINE bool refine(int own)
+    {
+        const WorkPoint& p = old_point(own);
+        const LocalPoints& old_points = w.old_points;
+        const auto o = std::size_t(own);
+        Centre c{old_points.x[o], old_points.y[o], old_points.z[o],
+                 {old_points.nx[o], old_points.ny[o], old_points.nz[o]}, {}, {}, 1 / old_points.radius[o]};
+        set_tangents(c);
+
+        find_near(old_points, c, w);
+        fill_ring(old_points, c, w.hits.data(), int(w.hits.size()), w.ring);
+        Ring& ring = w.ring;
+        bool accurate = step.precision == Precision::accurate || step.precision == Precision::fuzzy;
+        if (step.precision == Precision::automatic)
+        {
+            float least = 1;
+            for (int k = 0; k < ring.count; ++k)
+                least = ring.flatness[k] < least ? ring.flatness[k] : least;
+            accurate = least < LocalRules::curved_below;
+        }
+        alignas(64) float badness[ring_capacity];
+        int fan[ring_capacity];
+        if (accurate)
+            project_geodesically(c, ring);
+        if (accurate && step.precision != Precision::fuzzy)
+            measure_badness<true>(ring, badness);
+        else
+            measure_badness<false>(ring, badness);
+        const int fan_size = sort_fan(ring, badness, fan);
+        list_candidates(c, ring, fan, fan_size, accurate, w.candidates);
+
+        find_near(w.new_points, c, w);
+        fill_arrivals(w.new_points, c, w, w.arrivals);
+
+        std::vector<Neighbour>& list = w.neighbours;
+        list.clear();
+        for (int k = 0; k < ring.count; ++k)
+            if (ring.length[k] <= LocalRules::near)
+                join(list,
+                     {ring.angle[k], ring.x[k], ring.y[k], ring.z[k], ring.length[k],
+                      {ring.nx[k], ring.ny[k], ring.nz[k]}, ring.source[k], false, 0, false},
+                     accurate);
+        for (int k = 0; k < w.arrivals.count; ++k)
+            if (!w.arrivals.is_neighbour[k] && w.arrivals.length[k] <= LocalRules::near)
+                join(list, from_arrival(w.arrivals, k, w.new_points), accurate);
+
+        const bool is_open = fill_gaps(p, c, accurate);
+        write_radii(own, c, is_open);
+        return is_open;
+    }
+
+    void write_radii(int own, const Centre& c, bool is_open)
+    {
+        constexpr float hair = 1 + 1e-5f; // comparisons are closed
+        const std::vector<Neighbour>& list = w.neighbours;
+        const std::size_t n = list.size();
+        float radius = is_open ? LocalRules::open_radius : 0;
+        for (std::size_t k = 0; k < n; ++k)
+        {
+            const Neighbour& j = list[k];
+            radius = std::max(radius, j.length);
+            const Neighbour &before = list[k == 0 ? n - 1 : k - 1], &after = list[k + 1 == n ? 0 : k + 1];
+            float reach = j.length;
+            if (!before.is_dead)
+                reach = std::max(reach, std::sqrt(distance2(j.x, j.y, j.z, before.x, before.y, before.z)));
+            if (!j.is_dead)
+                reach = std::max(reach, std::sqrt(distance2(j.x, j.y, j.z, after.x, after.y, after.z)));
+            float& old = (j.is_new ? w.new_points.radius : w.next)[std::size_t(j.source)];
+            old = std::max(old, std::min(reach * hair, LocalRules::shrink) / c.inverse_radius);
+        }
+        float& own_next = w.next[std::size_t(own)];
+        own_next = std::max(own_next, std::min(radius * hair, LocalRules::shrink) / c.inverse_radius);
+    }
+};
+
+PN_VECTOR_CLONES int refine_points_of_leaf(PointRefiner& refiner, const Leaf& leaf)
+{
+    int open = 0;
+    for (int i = 0; i < leaf.size(); ++i)
+        if (refiner.old_point(i).flags & WorkPoint::refined)
+            open += refiner.refine(i);
+    return open;
+}
+
+} // namespace
+
+void refine_leaf(const RefineStep& step, int self)
+{
+    thread_local Workspace workspace;
+    Workspace& w = workspace;
+    gather(step, self, w);
+    const int had = w.new_points.count;
+    PointRefiner refiner{step, w, self};
+    step.open_gaps[std::size_t(self)] = refine_points_of_leaf(refiner, step.level.leaves[std::size_t(self)]);
+
+    const double unit = 1 / w.scale;
+    for (int j = 0; j < w.new_points.count; ++j)
+    {
+        const auto i = std::size_t(j);
+        if (j >= had || w.new_points.radius[i] != w.radius_before[i])
+            step.children[std::size_t(w.new_points.leaf[i])][std::size_t(w.new_points.index[i])].point.radius =
+                w.new_points.radius[i] * unit;
+    }
+    for (int j = 0; j < w.old_points.count; ++j)
+    {
+        if (const float raised = w.next[std::size_t(j)]; raised > 0)
+        {
+            double& next = step.next_radius[std::size_t(w.old_points.index[std::size_t(j)])];
+            next = std::max(next, raised * unit);
+        }
+    }
+}
+
+} // namespace recon::pn

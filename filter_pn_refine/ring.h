@@ -1,0 +1,281 @@
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__)
+#define PN_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define PN_VECTOR_CLONES
+#endif
+#define PN_INLINE inline __attribute__((always_inline))
+
+/// The neighbourhoods of section 4, in single precision and in the frame of one point: it lies at the origin and its radius
+/// is 1. Which points are neighbours does not need more digits; what is inserted is computed in double.
+namespace recon::pn
+{
+
+/// Points around a leaf as a structure of arrays, relative to its centre.
+struct LocalPoints
+{
+    std::vector<float> x, y, z, nx, ny, nz;
+    std::vector<float> radius;
+    std::vector<int> leaf, index; ///< Where the point comes from.
+    int count = 0;
+
+    void clear() { count = 0; }
+    void reserve(int n)
+    {
+        if (int(x.size()) >= n)
+            return;
+        for (std::vector<float>* v : {&x, &y, &z, &nx, &ny, &nz, &radius})
+            v->resize(std::size_t(n));
+        leaf.resize(std::size_t(n));
+        index.resize(std::size_t(n));
+    }
+};
+
+/// A refined point in the frame of its leaf.
+struct Centre
+{
+    float x, y, z;
+    float n[3], e1[3], e2[3]; ///< Normal and tangents.
+    float inverse_radius;
+};
+
+constexpr int ring_capacity = 128;
+
+/// Points within the radius of the centre that its normal admits, in the centre's frame.
+struct Ring
+{
+    int count = 0;
+    alignas(64) float x[ring_capacity], y[ring_capacity], z[ring_capacity];
+    alignas(64) float nx[ring_capacity], ny[ring_capacity], nz[ring_capacity];
+    alignas(64) float length[ring_capacity], inverse_length[ring_capacity];
+    alignas(64) float u[ring_capacity], v[ring_capacity]; ///< Tangent-plane coordinates.
+    alignas(64) float angle[ring_capacity];               ///< Of (u, v) [radians], -pi to pi.
+    alignas(64) float tx[ring_capacity], ty[ring_capacity], tz[ring_capacity]; ///< Sum of both tangents of the curve.
+    alignas(64) float flatness[ring_capacity];                                 ///< n0 . n.
+    int source[ring_capacity];                                                 ///< Index among the local points.
+};
+
+/// atan2 to 2e-5, without branches.
+PN_INLINE float fast_angle(float x, float y)
+{
+    const float ax = std::fabs(x), ay = std::fabs(y);
+    const float larger = ax > ay ? ax : ay, smaller = ax > ay ? ay : ax;
+    const float t = smaller / (larger + 1e-30f), s = t * t;
+    float a = t * (0.9998660f + s * (-0.3302995f + s * (0.1801410f + s * (-0.0851330f + s * 0.0208351f))));
+    a = ay > ax ? 1.57079633f - a : a;
+    a = x < 0 ? 3.14159265f - a : a;
+    return y < 0 ? -a : a;
+}
+
+/// Normals of neighbours must agree at least so far, besides eq. 6.
+constexpr float least_agreement = 0.1f;
+
+/// Sorts points[0, n) into those that may be neighbours (1), those within the radius that may not (2) and the rest (0).
+PN_INLINE void classify_points(const LocalPoints& points, const Centre& c, int* classes)
+{
+    const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+    const float *nx = points.nx.data(), *ny = points.ny.data(), *nz = points.nz.data();
+    const float r2 = 1 / (c.inverse_radius * c.inverse_radius);
+    const float same = 1e-12f * r2;
+    const int n = points.count;
+    for (int j = 0; j < n; ++j)
+    {
+        const float dx = x[j] - c.x, dy = y[j] - c.y, dz = z[j] - c.z;
+        const float d2 = dx * dx + dy * dy + dz * dz;
+        const float agreement = c.n[0] * nx[j] + c.n[1] * ny[j] + c.n[2] * nz[j];
+        const float slope = (c.n[0] + nx[j]) * dx + (c.n[1] + ny[j]) * dy + (c.n[2] + nz[j]) * dz;
+        const float limit = 1 + agreement;
+        const int near = int(d2 <= r2) & int(d2 > same);
+        const int consistent = int(slope * slope <= limit * limit * d2) & int(agreement >= least_agreement);
+        classes[j] = near * (2 - consistent);
+    }
+}
+
+/// Keeps of too many hits the four nearest in each of 24 sectors: what the fan can hold comes from all around, also where
+/// a radius reaches across a hole.
+inline void thin_hits(const LocalPoints& points, const Centre& c, std::vector<int>& hits)
+{
+    constexpr int sectors = 24, each = 4;
+    int best[sectors][each];
+    float distance[sectors][each];
+    int filled[sectors] = {};
+    for (int j : hits)
+    {
+        const float dx = points.x[std::size_t(j)] - c.x, dy = points.y[std::size_t(j)] - c.y,
+                    dz = points.z[std::size_t(j)] - c.z;
+        const float u = dx * c.e1[0] + dy * c.e1[1] + dz * c.e1[2], v = dx * c.e2[0] + dy * c.e2[1] + dz * c.e2[2];
+        const float d2 = dx * dx + dy * dy + dz * dz;
+        int s = int((fast_angle(u, v) + 3.14159265f) * (sectors / 6.2831853f));
+        s = s < 0 ? 0 : (s >= sectors ? sectors - 1 : s);
+        int place = filled[s] < each ? filled[s]++ : each;
+        if (place == each)
+        {
+            if (d2 >= distance[s][each - 1])
+                continue;
+            place = each - 1;
+        }
+        for (; place > 0 && distance[s][place - 1] > d2; --place)
+        {
+            distance[s][place] = distance[s][place - 1];
+            best[s][place] = best[s][place - 1];
+        }
+        distance[s][place] = d2;
+        best[s][place] = j;
+    }
+    hits.clear();
+    for (int s = 0; s < sectors; ++s)
+        hits.insert(hits.end(), best[s], best[s] + filled[s]);
+}
+
+/// Fills the ring from the local points in `hits` (at most ring_capacity).
+PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, const int* hits, int count, Ring& ring)
+{
+    ring.count = count;
+    for (int k = 0; k < count; ++k)
+    {
+        const auto j = std::size_t(hits[k]);
+        ring.source[k] = hits[k];
+        ring.x[k] = points.x[j];
+        ring.y[k] = points.y[j];
+        ring.z[k] = points.z[j];
+        ring.nx[k] = points.nx[j];
+        ring.ny[k] = points.ny[j];
+        ring.nz[k] = points.nz[j];
+    }
+    for (int k = 0; k < count; ++k)
+    {
+        const float x = (ring.x[k] - c.x) * c.inverse_radius, y = (ring.y[k] - c.y) * c.inverse_radius,
+                    z = (ring.z[k] - c.z) * c.inverse_radius;
+        const float d2 = x * x + y * y + z * z;
+        ring.x[k] = x;
+        ring.y[k] = y;
+        ring.z[k] = z;
+        ring.length[k] = std::sqrt(d2);
+        ring.inverse_length[k] = 1 / ring.length[k];
+        ring.u[k] = x * c.e1[0] + y * c.e1[1] + z * c.e1[2];
+        ring.v[k] = x * c.e2[0] + y * c.e2[1] + z * c.e2[2];
+        ring.flatness[k] = c.n[0] * ring.nx[k] + c.n[1] * ring.ny[k] + c.n[2] * ring.nz[k];
+        ring.angle[k] = fast_angle(ring.u[k], ring.v[k]);
+    }
+}
+
+/// Moves (u, v) out to the geodesic distance (eq. 9) and keeps the tangents for the candidates.
+PN_INLINE void project_geodesically(const Centre& c, Ring& ring)
+{
+    for (int k = 0; k < ring.count; ++k)
+    {
+        const float x = ring.x[k], y = ring.y[k], z = ring.z[k], d2 = ring.length[k] * ring.length[k];
+        const float s0 = x * c.n[0] + y * c.n[1] + z * c.n[2];
+        const float s1 = x * ring.nx[k] + y * ring.ny[k] + z * ring.nz[k];
+        const float f0 = d2 - s0 * s0, f1 = d2 - s1 * s1;
+        const float flat0 = f0 > 1e-6f * d2 ? f0 : 1e-6f * d2, flat1 = f1 > 1e-6f * d2 ? f1 : 1e-6f * d2;
+        const float g0 = ring.length[k] / std::sqrt(flat0), g1 = ring.length[k] / std::sqrt(flat1);
+        const float ax = (x - s0 * c.n[0]) * g0, ay = (y - s0 * c.n[1]) * g0, az = (z - s0 * c.n[2]) * g0;
+        const float bx = (x - s1 * ring.nx[k]) * g1, by = (y - s1 * ring.ny[k]) * g1, bz = (z - s1 * ring.nz[k]) * g1;
+        const float mx = x - (ax + bx) * (1.f / 3), my = y - (ay + by) * (1.f / 3), mz = z - (az + bz) * (1.f / 3);
+        const float geodesic = ring.length[k] * (2.f / 3) + std::sqrt(mx * mx + my * my + mz * mz);
+        const float stretch = geodesic / std::sqrt(flat0);
+        ring.u[k] *= stretch;
+        ring.v[k] *= stretch;
+        ring.tx[k] = (ax - bx) * (1.f / 3);
+        ring.ty[k] = (ay - by) * (1.f / 3);
+        ring.tz[k] = (az - bz) * (1.f / 3);
+    }
+}
+
+/// Badness of each entry (eq. 8): how far it lies behind a successor and a predecessor, with the planes' fuzziness
+/// theta_f = 30 degrees. `in_plane`: measured on (u, v), otherwise in space. An entry above 1 is no neighbour.
+template <bool in_plane>
+PN_INLINE void measure_badness(const Ring& ring, float* badness)
+{
+    const int n = ring.count;
+    alignas(64) float length[ring_capacity], inverse[ring_capacity];
+    for (int j = 0; j < n; ++j)
+    {
+        const float l = in_plane ? std::sqrt(ring.u[j] * ring.u[j] + ring.v[j] * ring.v[j]) : ring.length[j];
+        length[j] = l;
+        inverse[j] = 1 / (l + 1e-20f);
+    }
+    for (int i = 0; i < n; ++i)
+    {
+        const float xi = in_plane ? ring.u[i] : ring.x[i], yi = in_plane ? ring.v[i] : ring.y[i],
+                    zi = in_plane ? 0 : ring.z[i];
+        const float ui = ring.u[i], vi = ring.v[i], squared = length[i] * length[i];
+        // The sine enters with its sign times its square: one division a pair, and the root is taken of the maximum.
+        float successor = -1, predecessor = -1;
+        for (int j = 0; j < n; ++j)
+        {
+            const float g = in_plane ? xi * ring.u[j] + yi * ring.v[j] : xi * ring.x[j] + yi * ring.y[j] + zi * ring.z[j];
+            // Less a hair, so that a point is not behind itself or its twin on a crease.
+            const float along = g * inverse[j] - length[j] - 1e-5f;
+            const float apart = squared + length[j] * length[j] - 2 * g;
+            const float sine = along * std::fabs(along) / (std::fabs(apart) + 1e-11f);
+            const float side = ui * ring.v[j] - vi * ring.u[j];
+            const float s = side >= 0 ? sine : -1.f, p = side >= 0 ? -1.f : sine;
+            successor = s > successor ? s : successor;
+            predecessor = p > predecessor ? p : predecessor;
+        }
+        const float s = (successor < 0 ? -1.f : 1.f) * std::sqrt(std::fabs(successor)) + 0.5f;
+        const float p = (predecessor < 0 ? -1.f : 1.f) * std::sqrt(std::fabs(predecessor)) + 0.5f;
+        badness[i] = (s > 0 ? s : 0) + (p > 0 ? p : 0);
+    }
+}
+
+/// Entries that stay, sorted by angle: the triangle fan. `fan` holds at least ring.count. \returns how many.
+PN_INLINE int sort_fan(const Ring& ring, const float* badness, int* fan)
+{
+    int n = 0;
+    for (int k = 0; k < ring.count; ++k)
+    {
+        if (badness[k] > 1)
+            continue;
+        int place = n++;
+        for (; place > 0 && ring.angle[fan[place - 1]] > ring.angle[k]; --place)
+            fan[place] = fan[place - 1];
+        fan[place] = k;
+    }
+    // Of two normals at one position (a crease) the one that agrees more.
+    int kept = 0;
+    for (int k = 0; k < n; ++k)
+    {
+        const int a = fan[k];
+        bool is_twin = false;
+        for (int m = kept - 1; m >= 0 && ring.angle[fan[m]] == ring.angle[a]; --m)
+            if (const int b = fan[m]; ring.x[a] == ring.x[b] && ring.y[a] == ring.y[b] && ring.z[a] == ring.z[b])
+            {
+                is_twin = true;
+                if (ring.flatness[a] > ring.flatness[b])
+                    fan[m] = a;
+                break;
+            }
+        if (!is_twin)
+            fan[kept++] = a;
+    }
+    return kept;
+}
+
+/// Angle from one direction to the next, counter-clockwise, in (0, 2 pi].
+PN_INLINE float turn(float from, float to)
+{
+    const float a = to - from;
+    return a > 0 ? a : a + 6.28318531f;
+}
+
+/// Tangents of a centre from its normal (Duff et al. 2017).
+PN_INLINE void set_tangents(Centre& c)
+{
+    const float sign = c.n[2] < 0 ? -1.f : 1.f;
+    const float a = -1.f / (sign + c.n[2]), b = c.n[0] * c.n[1] * a;
+    c.e1[0] = 1 + sign * c.n[0] * c.n[0] * a;
+    c.e1[1] = sign * b;
+    c.e1[2] = -sign * c.n[0];
+    c.e2[0] = b;
+    c.e2[1] = sign + c.n[1] * c.n[1] * a;
+    c.e2[2] = -c.n[1];
+}
+
+} // namespace recon::pn

@@ -1,0 +1,130 @@
+#include "usable_samples.h"
+
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recon::pn
+{
+namespace
+{
+
+/// Per sample: distance to the nearest point elsewhere.
+std::vector<double> nearest_distances(const Points& points, const NeighbourSearch& search, int threads)
+{
+    std::vector<double> distances(points.size(), 0);
+    parallel_for(points.size(), threads, {},
+                 [&](std::size_t i)
+                 {
+                     constexpr int k = 6; // three normals at a corner and more
+                     int indices[k];
+                     double squared[k];
+                     const int found = search.nearest(points[i], k, indices, squared);
+                     for (int m = 0; m < found && distances[i] == 0; ++m)
+                         distances[i] = std::sqrt(squared[m]);
+                 });
+    return distances;
+}
+
+std::vector<char> find_isolated(const Points& points, int threads)
+{
+    constexpr double far = 8; // times what is usual around
+    constexpr int k = 10;
+    const NeighbourSearch search(points);
+    const std::vector<double> distances = nearest_distances(points, search, threads);
+    std::vector<char> is_isolated(points.size(), 0);
+    parallel_for(points.size(), threads, {},
+                 [&](std::size_t i)
+                 {
+                     int indices[k];
+                     double squared[k], around[k];
+                     const int found = search.nearest(points[i], k, indices, squared);
+                     int n = 0;
+                     for (int m = 0; m < found; ++m)
+                         if (squared[m] > 0)
+                             around[n++] = distances[std::size_t(indices[m])];
+                     if (n < 3)
+                         return;
+                     std::nth_element(around, around + n / 2, around + n);
+                     is_isolated[i] = distances[i] > far * around[n / 2];
+                 });
+    return is_isolated;
+}
+
+} // namespace
+
+UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
+                                    const Progress& progress)
+{
+    UsableSamples usable;
+    const int n = int(input.points.size());
+    const double same = std::cos(crease_angle);
+    const DistinctPoints distinct = find_distinct_points(input.points);
+    std::vector<std::vector<int>> at_place; // only places with several points
+    std::vector<int> place_of(distinct.first_index.size(), -1), counts(distinct.first_index.size(), 0);
+    for (int i = 0; i < n; ++i)
+        ++counts[std::size_t(distinct.representative[std::size_t(i)])];
+    progress.report(0.3);
+
+    OrientedSamples samples;
+    std::vector<int> indices, sharing;
+    for (int i = 0; i < n; ++i)
+    {
+        const Vector& normal = input.normals[std::size_t(i)];
+        const double largest = normal.cwiseAbs().maxCoeff();
+        if (!normal.allFinite() || !(largest > 0))
+        {
+            ++usable.without_normal;
+            continue;
+        }
+        const Vector unit = (normal / largest).normalized();
+        const auto place = std::size_t(distinct.representative[std::size_t(i)]);
+        const int self = int(samples.points.size());
+        int first = self;
+        if (counts[place] > 1)
+        {
+            if (place_of[place] < 0)
+            {
+                place_of[place] = int(at_place.size());
+                at_place.emplace_back();
+            }
+            std::vector<int>& there = at_place[std::size_t(place_of[place])];
+            if (std::any_of(there.begin(), there.end(),
+                            [&](int j) { return samples.normals[std::size_t(j)].dot(unit) >= same; }))
+            {
+                ++usable.duplicates;
+                continue;
+            }
+            first = there.empty() ? self : there.front();
+            there.push_back(self);
+        }
+        // A unit normal keeps its bits.
+        samples.points.push_back(frame.to_unit(input.points[std::size_t(i)]));
+        samples.normals.push_back(std::abs(normal.squaredNorm() - 1) < 1e-14 ? normal : unit);
+        indices.push_back(i);
+        sharing.push_back(first);
+    }
+
+    const std::vector<char> is_isolated = find_isolated(samples.points, threads);
+    progress.report(0.9);
+    std::vector<int> kept_as(samples.points.size(), -1);
+    for (std::size_t i = 0; i < samples.points.size(); ++i)
+    {
+        if (is_isolated[i])
+        {
+            ++usable.isolated;
+            continue;
+        }
+        kept_as[i] = int(usable.input.size());
+        usable.samples.points.push_back(samples.points[i]);
+        usable.samples.normals.push_back(samples.normals[i]);
+        usable.input.push_back(indices[i]);
+        // Points at one place are isolated together or not at all.
+        usable.sharing.push_back(kept_as[std::size_t(sharing[i])]);
+    }
+    return usable;
+}
+
+} // namespace recon::pn
