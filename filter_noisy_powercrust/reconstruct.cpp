@@ -5,13 +5,14 @@
 #include <recon/crust_repair.h>
 #include <recon/delaunay.h>
 #include <recon/errors.h>
-#include <recon/local_scale.h>
+#include <recon/ball_scale.h>
 #include <recon/neighbours.h>
 #include <recon/opposite_votes.h>
 #include <recon/parallel.h>
 #include <recon/polar_balls.h>
 #include <recon/power_diagram.h>
 #include <recon/signed_labelling.h>
+#include <recon/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,18 +33,14 @@ void check(const NoisyPowerCrustOptions& options)
         throw InvalidInput("deep_intersection must lie between 0 (weighed in samples) and 1.");
 }
 
-/// Distinct points in the unit frame, along a space-filling curve.
+/// Distinct points in the unit frame, in spatial order: neighbours in space are neighbours in memory, and every stride is
+/// an even subset.
 Points ordered_unit_points(const Points& points, const UnitFrame& frame)
 {
     Points result;
     result.reserve(points.size() + box_corner_count);
-    const Point* previous = nullptr;
-    for (const int i : order_along_curve(points))
-    {
-        if (!previous || points[i] != *previous)
-            result.push_back(frame.to_unit(points[i]));
-        previous = &points[i];
-    }
+    for (const int i : order_spatially(points).order)
+        result.push_back(frame.to_unit(points[i]));
     return result;
 }
 
@@ -95,7 +92,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     // Step 1 beside the local spacing, which needs no triangulation.
     Triangulation delaunay;
     std::optional<NeighbourSearch> search;
-    LocalSpacing spacing;
+    SampleSpacing spacing;
     parallel_invoke(
         threads, [&] { delaunay = triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation")); },
         [&]
@@ -106,7 +103,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
 
     times.begin("polar balls");
     const Poles poles = find_poles(delaunay, samples);
-    const LocalScale scale = choose_scale(spacing, free_samples, delaunay, poles);
+    const BallScale scale = choose_scale(spacing, free_samples, delaunay, poles);
     const double fixed_threshold = options.ball_threshold / frame.scale();
     const PolarBalls kept = keep_polar_balls(delaunay, samples, poles,
                                              [&](double radius, const std::array<int, 4>& touched)

@@ -123,53 +123,6 @@ DistinctPoints find_distinct_points(const Points& points)
     return result;
 }
 
-std::vector<int> order_along_curve(const Points& points)
-{
-    const Box box = bounding_box(points);
-    const double side = points.empty() ? 0 : (box.maximum - box.minimum).maxCoeff();
-    constexpr int bits = 21;
-    const double scale = side > 0 ? double((1 << bits) - 1) / side : 0;
-    const auto spread = [](std::uint64_t x)
-    {
-        x = (x | x << 32) & 0x1f00000000ffff;
-        x = (x | x << 16) & 0x1f0000ff0000ff;
-        x = (x | x << 8) & 0x100f00f00f00f00f;
-        x = (x | x << 4) & 0x10c30c30c30c30c3;
-        x = (x | x << 2) & 0x1249249249249249;
-        return x;
-    };
-    struct Entry
-    {
-        std::uint64_t code;
-        int index;
-    };
-    std::vector<Entry> entries;
-    entries.reserve(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-        const Vector cell = scale * (points[i] - box.minimum);
-        entries.push_back({spread(std::uint64_t(cell.x())) << 2 | spread(std::uint64_t(cell.y())) << 1 |
-                               spread(std::uint64_t(cell.z())),
-                           int(i)});
-    }
-    std::sort(entries.begin(), entries.end(),
-              [&](const Entry& a, const Entry& b)
-              {
-                  if (a.code != b.code)
-                      return a.code < b.code;
-                  const Point &p = points[a.index], &q = points[b.index];
-                  for (int k = 0; k < 3; ++k)
-                      if (p[k] != q[k])
-                          return p[k] < q[k];
-                  return a.index < b.index;
-              });
-    std::vector<int> order;
-    order.reserve(entries.size());
-    for (const Entry& entry : entries)
-        order.push_back(entry.index);
-    return order;
-}
-
 double enclosed_volume(const TriangleMesh& mesh)
 {
     if (mesh.vertices.empty())

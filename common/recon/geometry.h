@@ -74,11 +74,6 @@ struct DistinctPoints
 };
 DistinctPoints find_distinct_points(const Points& points);
 
-/// Indices of the points along a space-filling curve (Morton, 21 bits per axis of the bounding box; equal codes by
-/// coordinates), so that neighbours in space are neighbours in memory and every stride is an even subset. Does not depend on
-/// the order of the input, except among equal points.
-std::vector<int> order_along_curve(const Points& points);
-
 /// Signed volume enclosed by a closed mesh: positive if its triangles face outward.
 double enclosed_volume(const TriangleMesh& mesh);
 

@@ -1,4 +1,4 @@
-#include <recon/local_scale.h>
+#include <recon/ball_scale.h>
 
 #include <recon/parallel.h>
 
@@ -30,7 +30,7 @@ Points points_of(const std::vector<int>& indices, const Points& points)
     return result;
 }
 
-void append_scale(LocalScale& result, double scale, double count, double factor)
+void append_scale(BallScale& result, double scale, double count, double factor)
 {
     result.scale.push_back(scale);
     result.density.push_back(count / (pi * scale * scale));
@@ -39,9 +39,9 @@ void append_scale(LocalScale& result, double scale, double count, double factor)
 
 } // namespace
 
-LocalSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads, const Progress& progress)
+SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads, const Progress& progress)
 {
-    LocalSpacing result;
+    SampleSpacing result;
     const int n = int(samples.size());
     const int stride = (n + largest_subset - 1) / largest_subset;
     for (int i = 0; i < n; i += std::max(stride, 1))
@@ -89,7 +89,7 @@ LocalSpacing measure_spacing(const Points& samples, const NeighbourSearch& searc
     return result;
 }
 
-LocalScale choose_scale(const LocalSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles)
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles)
 {
     const std::size_t m = spacing.subset.size();
     std::vector<char> clean(m);
@@ -115,7 +115,7 @@ LocalScale choose_scale(const LocalSpacing& spacing, const Points& samples, cons
         for (int j = 0; j < found; ++j)
             cleanness[i] += clean[indices[j]] ? 1.0 / found : 0;
     }
-    LocalScale result;
+    BallScale result;
     for (const int i : spacing.nearest)
         if (cleanness[i] > 0.45)
             append_scale(result, spacing.fine[i], fine_count, 0.3);
@@ -125,9 +125,9 @@ LocalScale choose_scale(const LocalSpacing& spacing, const Points& samples, cons
     return result;
 }
 
-LocalScale choose_fine_scale(const LocalSpacing& spacing)
+BallScale choose_fine_scale(const SampleSpacing& spacing)
 {
-    LocalScale result;
+    BallScale result;
     for (const int i : spacing.nearest)
         append_scale(result, spacing.fine[i], fine_count, 0.3);
     result.median_cleanness = 1;

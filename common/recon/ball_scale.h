@@ -9,7 +9,7 @@ namespace recon
 {
 
 /// Spacing of the samples around each of them, found at a subset and copied to the rest from the nearest of the subset.
-struct LocalSpacing
+struct SampleSpacing
 {
     std::vector<int> subset;  ///< At most 10,000 samples at an even stride.
     std::vector<int> nearest; ///< Per sample: position in `subset` of the nearest of them.
@@ -19,10 +19,10 @@ struct LocalSpacing
 };
 
 /// \param search over `samples`.
-LocalSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads, const Progress& progress = {});
+SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads, const Progress& progress = {});
 
 /// What a ball must have to count as evidence, per sample.
-struct LocalScale
+struct BallScale
 {
     std::vector<double> scale;     ///< s: radius of the disc that holds the samples the scale was taken from [length].
     std::vector<double> density;   ///< lambda: samples per area [1/length^2].
@@ -32,9 +32,9 @@ struct LocalScale
 
 /// The scale at each sample: fine where most samples around have two long opposite poles (noise below the spacing), coarse
 /// where few have.
-LocalScale choose_scale(const LocalSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles);
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles);
 
 /// The scale that assumes samples without noise, for points already projected onto a surface.
-LocalScale choose_fine_scale(const LocalSpacing& spacing);
+BallScale choose_fine_scale(const SampleSpacing& spacing);
 
 } // namespace recon
