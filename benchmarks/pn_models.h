@@ -1,0 +1,35 @@
+#pragma once
+
+#include "models.h"
+
+#include <filter_pn_refine/refine.h>
+
+#include <cstdint>
+
+/// What the tables of PN refinement share.
+namespace benchmarks
+{
+
+/// n points spread evenly over the area of a mesh, with the interpolated normals of its vertices.
+recon::OrientedSamples sample_mesh(const recon::TriangleMesh& mesh, int n, std::uint64_t seed);
+double surface_area(const recon::TriangleMesh& mesh);
+
+/// Largest hole in a cloud that should cover `surface`: from any of its points the distance in its tangent plane to the
+/// nearest cloud point on the same side [input units].
+double largest_gap(const recon::OrientedSamples& surface, const recon::OrientedSamples& cloud, int threads);
+
+/// Smallest distance between an appended point and any other [input units].
+double closest_pair(const recon::OrientedSamples& input, const recon::Points& appended);
+
+/// Input and appended points together.
+recon::OrientedSamples join(const recon::OrientedSamples& input, const recon::PnRefinement& refinement);
+
+/// CGAL's edge_aware_upsample_point_set (Huang et al. 2013) up to `count` points in all; \returns the appended points.
+struct EdgeAwareUpsampling
+{
+    recon::OrientedSamples appended;
+    double cpu_seconds;
+};
+EdgeAwareUpsampling upsample_edge_aware(const recon::OrientedSamples& input, int count, double edge_sensitivity);
+
+} // namespace benchmarks

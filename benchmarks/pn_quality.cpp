@@ -1,0 +1,105 @@
+// Refinement of sparse samples against the mesh they were taken from, plain centroid insertion and CGAL's edge-aware
+// upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [model...]
+#include "mesh_distance.h"
+#include "pn_models.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+using namespace benchmarks;
+
+namespace
+{
+
+double median(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    if (argc < 2)
+        return std::fprintf(stderr, "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [model...]\n",
+                            argv[0]),
+               2;
+    int samples = 3500, seeds = 5;
+    bool with_cgal = false;
+    std::string output;
+    recon::PnRefineOptions options;
+    options.threads = 1;
+    std::vector<std::string> models;
+    for (int i = 2; i < argc; ++i)
+    {
+        const std::string word = argv[i];
+        if (word == "-n")
+            samples = std::atoi(argv[++i]);
+        else if (word == "-l")
+            options.steps = std::atoi(argv[++i]);
+        else if (word == "-s")
+            seeds = std::atoi(argv[++i]);
+        else if (word == "-c")
+            with_cgal = true;
+        else if (word == "-o")
+            output = argv[++i];
+        else if (word == "-m")
+        {
+            const int mode = std::atoi(argv[++i]);
+            options.fast = mode == 3;
+            options.neighbourhood = recon::PnNeighbourhood(mode % 3);
+        }
+        else
+            models.push_back(word);
+    }
+    if (models.empty())
+        models = {"igea", "rocker_arm", "bunny_closed", "horse", "elephant_refined", "maxplanck_closed_10k"};
+
+    std::printf("%-20s %8s | %7s %7s %6s %5s %5s | %7s %6s | %7s %7s\n", "model", "points", "RMS %", "max %", ">0.5%", "gap",
+                "pair", "plain", "ratio", "CGAL %", "CGAL 0");
+    for (const std::string& name : models)
+    {
+        const Model model = load_model(std::string(argv[1]) + "/" + name + ".ply");
+        const MeshDistance distance(model.mesh);
+        const recon::OrientedSamples surface = sample_mesh(model.mesh, 100000, 99);
+        const double area = surface_area(model.mesh), percent = 100 / model.diagonal;
+        std::vector<double> count, rms, largest, beyond, gap, pair, plain, cgal, cgal_smooth;
+        for (int seed = 1; seed <= seeds; ++seed)
+        {
+            const recon::OrientedSamples input = sample_mesh(model.mesh, samples, std::uint64_t(seed));
+            const recon::PnRefinement refined = recon::refine_points(input, options);
+            const recon::OrientedSamples all = join(input, refined);
+            const double spacing = std::sqrt(area / double(all.points.size()));
+            const auto summary = distance.summarise(refined.points);
+            count.push_back(double(all.points.size()));
+            rms.push_back(summary.rms * percent);
+            largest.push_back(summary.largest * percent);
+            int far = 0;
+            for (const recon::Point& p : refined.points)
+                far += distance.nearest(p).distance * percent > 0.5;
+            beyond.push_back(far);
+            gap.push_back(largest_gap(surface, all, 1) / spacing);
+            pair.push_back(closest_pair(input, refined.points) / spacing);
+            plain.push_back(distance.summarise(recon::interpolate(refined, input.points)).rms * percent);
+            if (with_cgal)
+                for (const double sensitivity : {1.0, 0.0})
+                    (sensitivity > 0 ? cgal : cgal_smooth)
+                        .push_back(distance.summarise(
+                                               upsample_edge_aware(input, int(all.points.size()), sensitivity).appended.points)
+                                       .rms *
+                                   percent);
+            if (seed == 1 && !output.empty())
+                save_ply(output + "/" + name + ".ply", all.points, all.normals);
+        }
+        std::printf("%-20s %8.0f | %7.4f %7.3f %6.0f %5.2f %5.3f | %7.4f %6.3f |", name.c_str(), median(count), median(rms),
+                    median(largest), median(beyond), median(gap), median(pair), median(plain), median(rms) / median(plain));
+        if (with_cgal)
+            std::printf(" %7.4f %7.4f", median(cgal), median(cgal_smooth));
+        std::printf("\n");
+        std::fflush(stdout);
+    }
+}
