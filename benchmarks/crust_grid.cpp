@@ -1,5 +1,5 @@
 // Topology of the noisy power crust on grids of models x noise, defaults only.
-// Usage: crust_grid <folder of models> <seed> [a|c|<model>...] [-s sigma,...] [-o output folder] [-t threads]
+// Usage: crust_grid <folder of models> <seed> [a|c|<model>...] [-s sigma,...] [-o output folder] [-t threads] [-d on|off]
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -22,7 +22,7 @@ int main(int argc, char** argv)
 {
     if (argc < 3)
     {
-        std::fprintf(stderr, "usage: %s <folder> <seed> [a|c|<model>...] [-s 0,0.1,...] [-o folder] [-t threads]\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <folder> <seed> [a|c|<model>...] [-s 0,0.1,...] [-o folder] [-t threads] [-d on|off]\n", argv[0]);
         return 2;
     }
     const std::string folder = argv[1];
@@ -46,6 +46,11 @@ int main(int argc, char** argv)
         }
         else if (word == "-o")
             output = argv[++i];
+        else if (word == "-d")
+        {
+            const std::string how = argv[++i];
+            options.denoise = how == "on" ? recon::Denoise::on : how == "off" ? recon::Denoise::off : recon::Denoise::automatic;
+        }
         else if (word == "-t")
             options.threads = std::atoi(argv[++i]);
         else

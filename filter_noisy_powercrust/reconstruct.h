@@ -16,6 +16,13 @@ enum class KeepComponents
     all
 };
 
+enum class Denoise
+{
+    automatic, ///< Where the noise is not far below the spacing.
+    on,
+    off ///< The power crust of the points as they are, as the paper has it.
+};
+
 /// Options of reconstruct_noisy_power_crust(). Lengths are in input units.
 struct NoisyPowerCrustOptions
 {
@@ -23,6 +30,7 @@ struct NoisyPowerCrustOptions
     double noise = 0;             ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
     double deep_intersection = 0; ///< Cosine of intersection above which neighbours agree, 0..1. 0 = weighed in samples.
     KeepComponents keep_components = KeepComponents::largest;
+    Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
     int threads = 0;              ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
@@ -36,6 +44,9 @@ struct NoisyPowerCrust
     double spacing = 0;              ///< Median local spacing of the samples [length].
     double noise = 0;                ///< Standard deviation of the noise, estimated or given [length].
     double smallest_ball = 0;        ///< Radius of the smallest polar ball kept [length].
+    bool denoised = false;           ///< Whether the samples were projected and thinned first.
+    int samples = 0;                 ///< Samples the crust was made of: points_used, or fewer after thinning [count].
+    int outliers = 0;                ///< Points far from any surface, left out when denoising [count].
     int balls_kept = 0;              ///< [count]
     double violated_votes = 0;       ///< Share of the samples' vote weight that the labels contradict [0..1].
     int components = 0;              ///< [count]

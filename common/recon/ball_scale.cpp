@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace recon
 {
@@ -14,7 +15,7 @@ constexpr int largest_subset = 10'000;
 constexpr int fine_count = 6, coarse_count = 30;
 constexpr double pi = 3.14159265358979323846;
 
-double median(std::vector<double>& values)
+double median(std::vector<double> values)
 {
     const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -81,7 +82,7 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
                      std::vector<double> values;
                      for (int j = 0; j < found; ++j)
                          values.push_back(raw[indices[j]]);
-                     result.coarse[i] = median(values);
+                     result.coarse[i] = median(std::move(values));
                  });
     result.nearest.resize(samples.size());
     parallel_for(samples.size(), threads, progress.part(0.8, 1, "local spacing"),
@@ -89,7 +90,8 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
     return result;
 }
 
-BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles)
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles,
+                       double noise)
 {
     const std::size_t m = spacing.subset.size();
     std::vector<char> clean(m);
@@ -117,11 +119,12 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
     }
     BallScale result;
     for (const int i : spacing.nearest)
-        if (cleanness[i] > 0.45)
+        if (noise > 0 ? noise < 0.1 * spacing.fine[i] : cleanness[i] > 0.45)
             append_scale(result, spacing.fine[i], fine_count, 0.3);
         else
             append_scale(result, spacing.coarse[i], coarse_count, 0.7);
-    result.median_cleanness = median(cleanness);
+    result.median_spacing = median(spacing.fine);
+    result.median_cleanness = median(std::move(cleanness));
     return result;
 }
 
@@ -130,6 +133,7 @@ BallScale choose_fine_scale(const SampleSpacing& spacing)
     BallScale result;
     for (const int i : spacing.nearest)
         append_scale(result, spacing.fine[i], fine_count, 0.3);
+    result.median_spacing = median(spacing.fine);
     result.median_cleanness = 1;
     return result;
 }

@@ -27,12 +27,15 @@ struct BallScale
     std::vector<double> scale;     ///< s: radius of the disc that holds the samples the scale was taken from [length].
     std::vector<double> density;   ///< lambda: samples per area [1/length^2].
     std::vector<double> threshold; ///< c s: smallest polar ball kept [length].
+    double median_spacing = 0;     ///< Median fine scale [length].
     double median_cleanness = 0;   ///< Median of the share of clean samples around a sample: above 0.7 the cloud is clean.
 };
 
 /// The scale at each sample: fine where most samples around have two long opposite poles (noise below the spacing), coarse
 /// where few have.
-BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles);
+/// \param noise standard deviation of the noise, which then decides between fine and coarse; 0 = unknown.
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles,
+                       double noise = 0);
 
 /// The scale that assumes samples without noise, for points already projected onto a surface.
 BallScale choose_fine_scale(const SampleSpacing& spacing);

@@ -1,0 +1,176 @@
+#include <recon/labelled_balls.h>
+
+#include <recon/ball_attraction.h>
+#include <recon/crust_repair.h>
+#include <recon/delaunay.h>
+#include <recon/minimum_cut.h>
+#include <recon/neighbours.h>
+#include <recon/opposite_votes.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// Mean over the samples that a ball touches, corners of the box left out.
+double average_over(const std::array<int, 4>& touched, const std::vector<double>& per_sample)
+{
+    double sum = 0;
+    int count = 0;
+    for (const int v : touched)
+        if (v < int(per_sample.size()))
+        {
+            sum += per_sample[v];
+            ++count;
+        }
+    return count > 0 ? sum / count : 0;
+}
+
+std::vector<double> average_over_touched(const PolarBalls& balls, const std::vector<double>& per_sample)
+{
+    std::vector<double> result;
+    result.reserve(balls.balls.size());
+    for (const auto& touched : balls.touched)
+        result.push_back(average_over(touched, per_sample));
+    return result;
+}
+
+/// Each sample ties the ball on its outer side to the outside and the one on its inner side to the inside, as strongly as the
+/// pole lies along the normal.
+std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& samples, const Vectors& normals)
+{
+    std::vector<TerminalTie> ties;
+    for (std::size_t v = 0; v < normals.size(); ++v)
+        for (int side = 0; side < 2; ++side)
+        {
+            const int ball = kept.of_sample[v][side];
+            if (ball < 0)
+                continue;
+            const double cosine = (kept.balls[ball].centre - samples[v]).normalized().dot(normals[v]);
+            if (cosine > 0)
+                ties.push_back({ball, Side::outer, cosine});
+            else if (cosine < 0)
+                ties.push_back({ball, Side::inner, -cosine});
+        }
+    return ties;
+}
+
+/// The labels with less contradicted weight of those from contraction and from the potential.
+std::vector<Side> label_by_best(const SignedGraph& graph)
+{
+    std::vector<Side> labels = label_by_contraction(graph), by_potential = label_by_potential(graph);
+    return measure_energy(graph, by_potential) < measure_energy(graph, labels) ? by_potential : labels;
+}
+
+} // namespace
+
+LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
+                                const Progress& progress)
+{
+    const bool oriented = !normals.empty();
+    const int threads = options.threads;
+    times.begin("Delaunay triangulation");
+    const Points free_samples = samples; // without the corners of the box
+    append_box_corners(samples);
+
+    // Step 1, beside the spacing, which needs no triangulation.
+    Triangulation delaunay;
+    std::optional<NeighbourSearch> search;
+    SampleSpacing spacing;
+    parallel_invoke(
+        threads, [&] { delaunay = triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation")); },
+        [&]
+        {
+            search.emplace(free_samples);
+            spacing = measure_spacing(free_samples, *search, 1);
+        });
+
+    // Steps 2 and 3.
+    times.begin("polar balls");
+    const Poles poles = oriented ? find_poles_along_normals(delaunay, samples, normals) : find_poles(delaunay, samples);
+    const BallScale scale =
+        oriented ? choose_fine_scale(spacing) : choose_scale(spacing, free_samples, delaunay, poles, options.noise);
+    PolarBalls kept = keep_polar_balls(delaunay, samples, poles,
+                                       [&](double radius, const std::array<int, 4>& touched)
+                                       {
+                                           return radius >= (options.ball_threshold > 0
+                                                                 ? options.ball_threshold
+                                                                 : average_over(touched, scale.threshold));
+                                       });
+    std::vector<double> ball_scale = average_over_touched(kept, scale.scale);
+    const std::vector<double> ball_density = average_over_touched(kept, scale.density);
+    delaunay = Triangulation();
+    progress.part(0.3, 0.35, "polar balls").report(1);
+
+    // Step 4.
+    times.begin("power diagram");
+    PowerDiagram diagram(kept.balls, progress.part(0.35, 0.55, "power diagram"));
+    Triangulation regular = diagram.triangulation();
+
+    // Step 5.
+    times.begin("labels");
+    BallAttractionOptions attraction_options;
+    attraction_options.deep_intersection = options.deep_intersection;
+    attraction_options.threads = threads;
+    if (oriented)
+        attraction_options.merge_above = 2; // normals settle what the shortcut would decide at once
+    BallAttraction attraction = weigh_attraction(regular, kept.balls, ball_density, attraction_options,
+                                                 progress.part(0.55, 0.65, "attraction of balls"));
+    const std::vector<SignedEdge> votes =
+        list_opposite_votes(samples, kept, *search, threads, progress.part(0.65, 0.75, "votes of the samples"));
+    SignedGraph graph;
+    graph.nodes = int(kept.balls.size());
+    graph.edges = std::move(attraction.edges);
+    graph.merged = std::move(attraction.merged);
+    graph.is_root = kept.is_outside;
+    for (int i = 0; i < graph.nodes; ++i)
+        graph.is_root[i] |= attraction.is_on_hull[i];
+    std::vector<Side> labels;
+    if (oriented)
+        labels = label_by_minimum_cut(graph, tie_to_normals(kept, samples, normals));
+    graph.edges.insert(graph.edges.end(), votes.begin(), votes.end());
+    if (oriented)
+        improve_labels(graph, labels);
+    else
+        labels = label_by_best(graph);
+    const double violated = measure_violated_repulsion(votes, labels).share();
+    progress.part(0.75, 0.85, "labels").report(1);
+
+    times.begin("repair");
+    // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls are
+    // doubtful.
+    const std::vector<double> margins = measure_margins(graph, labels);
+    std::vector<char> is_small(kept.balls.size());
+    std::vector<int> doubtful;
+    for (int i = 0; i < graph.nodes; ++i)
+    {
+        is_small[i] = kept.balls[i].radius < 2 * ball_scale[i];
+        if (is_small[i] && margins[i] < 0.6 && !kept.is_outside[i])
+            doubtful.push_back(i);
+    }
+    if (!doubtful.empty())
+    {
+        diagram.remove(doubtful);
+        regular = diagram.triangulation();
+    }
+    // The second round sees what the first joined.
+    for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, 0.02, labels) > 0; ++round)
+        continue;
+    cut_handles(regular, graph.is_root, is_small, margins, {}, labels);
+    // Removal can bring other balls to the hull; outside is all that is known there.
+    for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)
+        for (const int v : regular.cells[c].vertices)
+            if (v != Triangulation::infinite)
+                labels[v] = Side::outer;
+    progress.part(0.85, 1, "repair").report(1);
+    times.end();
+    return {std::move(kept),       std::move(diagram), std::move(regular), std::move(labels), std::move(ball_scale),
+            scale.median_spacing, scale.median_cleanness, violated};
+}
+
+} // namespace recon

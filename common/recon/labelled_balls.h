@@ -1,0 +1,46 @@
+#pragma once
+
+#include <recon/ball_scale.h>
+#include <recon/polar_balls.h>
+#include <recon/power_diagram.h>
+#include <recon/progress.h>
+#include <recon/signed_labelling.h>
+#include <recon/triangulation.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Options of label_polar_balls(). Lengths are in the unit frame.
+struct BallLabellingOptions
+{
+    double ball_threshold = 0;    ///< Smallest polar ball kept [unit length], >= 0. 0 = by the local scale.
+    double noise = 0;             ///< Standard deviation of the noise, if known [unit length], >= 0.
+    double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
+    int threads = 1;
+};
+
+/// Polar balls of a cloud, told inner from outer: what the crust and the medial axis are made of.
+struct LabelledBalls
+{
+    PolarBalls kept;
+    PowerDiagram diagram; ///< Of the kept balls less the doubtful ones that were dropped.
+    Triangulation regular; ///< diagram.triangulation()
+    std::vector<Side> labels;
+    std::vector<double> scale; ///< Per ball: local scale of the samples it touches [unit length].
+    double spacing = 0;        ///< Median scale of the samples' spacing [unit length].
+    double cleanness = 0;      ///< Median share of samples that look free of noise [0..1].
+    double violated_votes = 0; ///< Share of the votes' weight that the labels contradict [0..1].
+};
+
+/// Algorithm 4.1 of Mederos et al. (2005), steps 1 to 5, with a local threshold and a global labelling: Delaunay
+/// triangulation, polar balls above the local scale, power diagram, labels from the balls' attraction, the samples' votes and,
+/// where given, the samples' outward normals; then doubtful balls dropped, islands absorbed, handles cut.
+/// \param samples distinct, spanning a volume, of unit scale, best in spatial order. \param normals empty, or one per sample
+/// of a cloud that is already free of noise.
+/// \throws Cancelled.
+LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options,
+                                PhaseTimes& times, const Progress& progress = {});
+
+} // namespace recon

@@ -1,0 +1,40 @@
+#include "sample_surface.h"
+
+#include "project.h"
+#include "thin.h"
+
+#include <recon/spatial_order.h>
+
+namespace recon
+{
+
+SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surface, int threads, const Progress& progress)
+{
+    AmlsProjectionOptions options;
+    options.threads = threads;
+    const AmlsProjection projected = project_to_amls(points, surface, options, progress.part(0, 0.8, "projection"));
+    SurfaceSamples result;
+    OrientedSamples kept;
+    std::vector<double> radii;
+    // In spatial order, so that the choice does not depend on the order of the input.
+    for (const int i : order_spatially(points).order)
+    {
+        if (projected.status[i] == ProjectionStatus::outlier)
+        {
+            ++result.outliers;
+            continue;
+        }
+        kept.points.push_back(projected.points[i]);
+        kept.normals.push_back(projected.normals[i]);
+        radii.push_back(0.4 * projected.widths[i]);
+    }
+    for (const int i : thin_to_poisson_disks(kept.points, kept.normals, radii))
+    {
+        result.samples.points.push_back(kept.points[i]);
+        result.samples.normals.push_back(kept.normals[i]);
+    }
+    progress.report(1);
+    return result;
+}
+
+} // namespace recon
