@@ -47,16 +47,14 @@ MODELS = [
 ]
 
 
-def measure(pymeshlab, surface_file):
-    """Looked at by MeshLab's own filters: components, genus, closed and oriented outward."""
-    meshes = pymeshlab.MeshSet()
-    meshes.load_new_mesh(str(surface_file))
-    topology = meshes.get_topological_measures()
-    closed = (topology["boundary_edges"] == 0 and topology["is_mesh_two_manifold"]
-              and meshes.get_geometric_measures()["mesh_volume"] > 0)
-    mesh = meshes.current_mesh()
-    return (topology["connected_components_number"], topology["genus"], closed), hosts.Surface(
-        mesh.vertex_matrix(), mesh.face_matrix())
+def is_closed(surface):
+    """Every edge has two triangles that run through it in opposite directions, and they face outward."""
+    n, triangles = len(surface.points), surface.triangles.astype(np.int64)
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    there, back = np.sort(start * n + end), np.sort(end * n + start)
+    a, b, c = (surface.points[triangles[:, i]] - surface.points.mean(axis=0) for i in range(3))
+    return (np.array_equal(there, back) and np.all(np.diff(there) > 0)
+            and np.einsum("ij,ij->", a, np.cross(b, c)) > 0)
 
 
 def show(title, points, surface, views, size):
@@ -121,10 +119,11 @@ def main():
             print(f"{model}: meshlabserver, {results[-1][3]:.1f} s", flush=True)
 
             for host, values, surface_file, seconds in results:
-                (components, genus, closed), surface = measure(python.pymeshlab, surface_file)
+                surface = hosts.read_ply(surface_file)
+                closed = is_closed(surface)
                 bad += not closed
                 table.append((model, host, f"{len(points):,}", f"{values['noise']:.3g}", f"{values['spacing']:.3g}",
-                              components, genus,
+                              int(values["components"]), int(values["genus"]),
                               "yes" if closed else "NO", f"{len(surface.triangles):,}", f"{seconds:.1f}"))
                 phases.append((model, host, {k[len("seconds_"):].replace("_", " "): v for k, v in values.items()
                                              if k.startswith("seconds_")}))
