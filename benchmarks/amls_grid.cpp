@@ -1,5 +1,5 @@
 // Grid B with defaults only: RMS and largest distance to the true mesh after projection, orientation, CPU time.
-// amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--save folder] [--phases]
+// amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--noise factor] [--save folder] [--phases]
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -43,6 +43,7 @@ int main(int argc, char** argv)
     std::vector<std::string> names = benchmarks::grid_b, sigmas = {"0.1", "0.2", "0.4"}, seeds = {"11"};
     std::string save;
     bool phases = false;
+    double noise_factor = 0; // of the true sigma, given to the filter; 0 = the filter estimates
     int threads = 1;
     for (int i = 2; i < argc; ++i)
     {
@@ -60,6 +61,8 @@ int main(int argc, char** argv)
                 sigmas = split(value);
             else if (option == "--threads")
                 threads = std::stoi(value);
+            else if (option == "--noise")
+                noise_factor = std::stod(value);
             else if (option == "--save")
                 save = value;
         }
@@ -80,6 +83,8 @@ int main(int argc, char** argv)
                 double cpu = benchmarks::cpu_seconds();
                 AmlsOptions options;
                 options.threads = threads;
+                if (noise_factor > 0)
+                    options.noise = noise_factor * std::stod(sigma) / 100 * model.diagonal;
                 const AmlsSurface surface = build_amls_surface(points, options);
                 const double built = benchmarks::cpu_seconds();
                 AmlsProjectionOptions project_options;

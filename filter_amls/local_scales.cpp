@@ -25,9 +25,12 @@ constexpr double narrowest_sigmas = 2; // below it the neighbourhood is as thick
 constexpr double quadric_cut = 2.6;    // widths
 constexpr double largest_step = 5;     // sigmas by which two heights differ at most
 constexpr int pooled_seeds = 40;
-constexpr double global_weight = 20; // seeds' worth of the mean over all seeds
+constexpr double global_share = 0.5; // weight of the mean over all seeds beside the pooled ones
 constexpr int smoothing_seeds = 15;
-constexpr int many_points = 1500; // beyond it an even subsample tells the risk
+constexpr double affordable = 3000; // points per seed; beyond it fewer seeds are asked
+constexpr double beyond = 1e10;     // coordinate of entries that pad the arrays
+/// The noise estimate means the length; here an estimate that is high by 10 % hides as much bias, so it is taken lower.
+constexpr double caution = 0.9;
 /// A cloud without noise still needs a unit in which to weigh the bias [share of the spacing].
 constexpr double least_sigma = 0.01;
 
@@ -94,10 +97,7 @@ using Risks = std::array<double, ladder>;
 class RiskEstimator
 {
 public:
-    RiskEstimator(const Points& points, const NeighbourSearch& search, int share)
-        : points_(points), search_(search), share_(share)
-    {
-    }
+    RiskEstimator(const Points& points, const NeighbourSearch& search) : points_(points), search_(search) {}
 
     Risks estimate(const Point& seed, double sigma, double narrowest)
     {
@@ -125,24 +125,13 @@ public:
             normal = (normal - fit.c[1] / width * first.t1 - fit.c[2] / width * first.t2).normalized();
         }
         const TangentFrame frame(normal);
-        u_.resize(gathered_.x.size());
-        for (auto* values : {&v_, &z_, &l_, &l0_})
-            values->resize(gathered_.x.size());
-        for (std::size_t i = 0; i < u_.size(); ++i)
-        {
-            const Vector d = Point(gathered_.x[i], gathered_.y[i], gathered_.z[i]) - centre;
-            const bool padding = int(i) >= gathered_.size;
-            u_[i] = padding ? 1e10 : d.dot(frame.t1);
-            v_[i] = d.dot(frame.t2);
-            z_[i] = d.dot(normal);
-            l0_[i] = 0;
-        }
+        sort_by_ring(centre, frame, widths);
 
         double height0 = 0, square0 = 0;
         for (int j = 0; j < ladder; ++j)
         {
             double sums[3];
-            if (!smooth(widths[j], sums))
+            if (!smooth(widths[j], ring_end_[j], sums))
             {
                 // Too few points for a quadric: no bias can be told, the variance is that of a single point.
                 risks[j] = 1;
@@ -153,20 +142,54 @@ public:
                 l0_.swap(l_);
                 height0 = sums[0];
                 square0 = sums[1];
-                risks[0] = square0 / share_;
+                risks[0] = square0;
                 continue;
             }
-            const double step = std::clamp((sums[0] - height0) / sigma, -largest_step, largest_step);
-            risks[j] = step * step - (sums[1] - 2 * sums[2] + square0) + sums[1] / share_;
+            const double step = std::clamp((sums[0] - height0) / (caution * sigma), -largest_step, largest_step);
+            risks[j] = step * step - (sums[1] - 2 * sums[2] + square0) + sums[1];
         }
         return risks;
     }
 
 private:
-    /// \returns {height at the foot, sum l^2, sum l l0} of the quadric smoother; fills l_.
-    bool smooth(double width, double* sums)
+    /// Coordinates in the frame, the points of the narrowest candidate first, those that each wider one adds after
+    /// them.
+    void sort_by_ring(const Point& centre, const TangentFrame& frame, const std::array<double, ladder>& widths)
     {
-        const int n = int(u_.size());
+        const std::size_t padded = gathered_.x.size();
+        u_.assign(padded, beyond);
+        for (auto* values : {&v_, &z_, &l_, &l0_})
+            values->assign(padded, 0);
+        ring_.resize(padded);
+        std::array<int, ladder + 1> count{};
+        for (int i = 0; i < gathered_.size; ++i)
+        {
+            const double squared = (Point(gathered_.x[i], gathered_.y[i], gathered_.z[i]) - centre).squaredNorm();
+            int j = 0;
+            while (j < ladder && squared > quadric_cut * quadric_cut * widths[j] * widths[j])
+                ++j;
+            ring_[i] = j;
+            ++count[j];
+        }
+        std::array<int, ladder + 1> next{};
+        for (int j = 0; j < ladder; ++j)
+        {
+            next[j + 1] = next[j] + count[j];
+            ring_end_[j] = next[j + 1];
+        }
+        for (int i = 0; i < gathered_.size; ++i)
+        {
+            const Vector d = Point(gathered_.x[i], gathered_.y[i], gathered_.z[i]) - centre;
+            const int to = next[ring_[i]]++;
+            u_[to] = d.dot(frame.t1);
+            v_[to] = d.dot(frame.t2);
+            z_[to] = d.dot(frame.normal);
+        }
+    }
+
+    /// \returns {height at the foot, sum l^2, sum l l0} of the quadric smoother; fills l_.
+    bool smooth(double width, int n, double* sums)
+    {
         double s[15];
         sum_monomials(u_.data(), v_.data(), z_.data(), n, width, quadric_cut, s);
         if (!(s[0] > 0))
@@ -190,10 +213,11 @@ private:
 
     const Points& points_;
     const NeighbourSearch& search_;
-    double share_;
     std::vector<int> found_;
     Gathered gathered_;
     std::vector<double> u_, v_, z_, l_, l0_;
+    std::vector<int> ring_;
+    std::array<int, ladder> ring_end_{};
 };
 
 /// Position of the minimum on the ladder, between the rungs by a parabola.
@@ -224,38 +248,45 @@ LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int 
         expected += pi * radius * radius * scale.density / m;
     }
 
-    const int share = std::max(1, int(expected / many_points));
-    Points sample;
-    if (share > 1)
-        for (std::size_t i = std::size_t(share) / 2; i < points.size(); i += std::size_t(share))
-            sample.push_back(points[i]);
-    const Points& used = share > 1 ? sample : points;
-    const NeighbourSearch search(used);
-    std::vector<Risks> risks(m);
-    parallel_chunks(std::size_t(m), threads, 32, progress,
+    // Risks are pooled anyway, so where seeds are expensive fewer of them do.
+    const int stride = std::clamp(int(std::lround(expected / affordable)), 1, 8);
+    Points asked;
+    std::vector<int> asked_index;
+    for (int i = stride / 2; i < m; i += stride)
+    {
+        asked.push_back(noise.seeds()[i]);
+        asked_index.push_back(i);
+    }
+    const NeighbourSearch search(points);
+    std::vector<Risks> risks(asked.size());
+    parallel_chunks(asked.size(), threads, 16, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
-                        RiskEstimator estimator(used, search, share);
+                        RiskEstimator estimator(points, search);
                         for (std::size_t i = begin; i < end; ++i)
-                            risks[i] = estimator.estimate(noise.seeds()[i], result.at_seed[i].sigma, narrowest[i]);
+                        {
+                            const int s = asked_index[i];
+                            risks[i] = estimator.estimate(asked[i], result.at_seed[s].sigma, narrowest[s]);
+                        }
                     });
 
     Risks mean{};
     for (const Risks& r : risks)
         for (int j = 0; j < ladder; ++j)
-            mean[j] += r[j] / m;
-    const NeighbourSearch seed_search(noise.seeds());
+            mean[j] += r[j] / double(risks.size());
+    const NeighbourSearch asked_search(asked), seed_search(noise.seeds());
+    const int pool = std::max(12, pooled_seeds / stride);
     std::vector<double> log_width(m);
     parallel_for(std::size_t(m), threads, {},
                  [&](std::size_t i)
                  {
                      int near[pooled_seeds];
                      double squared[pooled_seeds];
-                     const int count = seed_search.nearest(noise.seeds()[i], pooled_seeds, near, squared);
+                     const int count = asked_search.nearest(noise.seeds()[i], pool, near, squared);
                      Risks pooled;
                      for (int j = 0; j < ladder; ++j)
                      {
-                         pooled[j] = global_weight * mean[j];
+                         pooled[j] = global_share * count * mean[j];
                          for (int k = 0; k < count; ++k)
                              pooled[j] += risks[near[k]][j];
                      }
