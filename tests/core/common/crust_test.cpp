@@ -1,0 +1,230 @@
+#include <recon/ball_attraction.h>
+#include <recon/crust_mesh.h>
+#include <recon/crust_repair.h>
+#include <recon/delaunay.h>
+#include <recon/labelled_balls.h>
+#include <recon/neighbours.h>
+#include <recon/opposite_votes.h>
+#include <recon/polar_balls.h>
+#include <recon/power_diagram.h>
+
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+using namespace recon;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double major = 0.3, minor = 0.1;
+
+Side true_side(const Point& p)
+{
+    return std::hypot(p.head<2>().norm() - major, p.z()) < minor ? Side::inner : Side::outer;
+}
+
+} // namespace
+
+TEST(IntersectDiscWithPolygon, AgreesWithKnownAreas)
+{
+    using Polygon = std::vector<Eigen::Vector2d>;
+    const Polygon square = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    EXPECT_NEAR(intersect_disc_with_polygon(5, square), 4, 1e-12) << "polygon inside the disc";
+    EXPECT_NEAR(intersect_disc_with_polygon(0.5, square), pi / 4, 1e-12) << "disc inside the polygon";
+    // Disc of radius sqrt(2) - e.g. 1.2 - cut by the square: area minus four circular segments.
+    const double r = 1.2, half_angle = std::acos(1 / r);
+    EXPECT_NEAR(intersect_disc_with_polygon(r, square), r * r * (pi - 4 * half_angle) + 4 * std::sqrt(r * r - 1), 1e-12);
+    const Polygon away = {{3, 3}, {5, 3}, {5, 5}};
+    EXPECT_NEAR(intersect_disc_with_polygon(1, away), 0, 1e-12);
+    const Polygon reversed(square.rbegin(), square.rend());
+    EXPECT_NEAR(intersect_disc_with_polygon(5, reversed), -4, 1e-12);
+    // Against sampling, for a triangle that contains the centre only partly.
+    const Polygon triangle = {{-0.2, -0.9}, {1.4, 0.1}, {-0.5, 0.8}};
+    std::mt19937 random(1);
+    const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
+    int hits = 0;
+    const int trials = 400'000;
+    for (int i = 0; i < trials; ++i)
+    {
+        const Eigen::Vector2d p(random() / 2147483648.0 - 1, random() / 2147483648.0 - 1);
+        bool inside = p.norm() < 1;
+        for (int k = 0; k < 3; ++k)
+            inside &= cross(triangle[(k + 1) % 3] - triangle[k], p - triangle[k]) > 0;
+        hits += inside;
+    }
+    EXPECT_NEAR(intersect_disc_with_polygon(1, triangle), 4.0 * hits / trials, 0.01);
+}
+
+TEST(FindPoles, ReachTheMedialAxisOfATorus)
+{
+    Points samples = shapes::torus(4000, major, minor, 1).points;
+    const OrientedSamples oriented = shapes::torus(4000, major, minor, 1);
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    const Poles poles = find_poles(delaunay, samples), along = find_poles_along_normals(delaunay, samples, oriented.normals);
+    int inner_right = 0, same = 0;
+    for (int v = 0; v < 4000; ++v)
+    {
+        ASSERT_NE(poles.cells[v][0], Poles::none);
+        ASSERT_NE(poles.cells[v][1], Poles::none);
+        const Vector first = delaunay.centres[poles.cells[v][0]] - samples[v];
+        const Vector second = delaunay.centres[poles.cells[v][1]] - samples[v];
+        EXPECT_LT(first.dot(second), 0);
+        EXPECT_GE(first.norm(), second.norm());
+        // The inner medial axis is the circle of radius `major`.
+        const Point inner = delaunay.centres[along.cells[v][1]];
+        inner_right += std::hypot(inner.head<2>().norm() - major, inner.z()) < 0.15 * minor;
+        same += (poles.cells[v][0] == along.cells[v][0] && poles.cells[v][1] == along.cells[v][1]) ||
+                (poles.cells[v][0] == along.cells[v][1] && poles.cells[v][1] == along.cells[v][0]);
+    }
+    EXPECT_GT(inner_right, 3960);
+    EXPECT_GT(same, 3960);
+}
+
+TEST(LabelPolarBalls, TellsInnerFromOuterBallsOfATorus)
+{
+    for (const bool with_normals : {false, true})
+    {
+        const OrientedSamples torus = shapes::torus(4000, major, minor, 1);
+        PhaseTimes times;
+        const LabelledBalls labelled = label_polar_balls(torus.points, with_normals ? torus.normals : Vectors{}, {}, times);
+        int wrong = 0;
+        for (std::size_t i = 0; i < labelled.labels.size(); ++i)
+            wrong += labelled.labels[i] != true_side(labelled.kept.balls[i].centre);
+        EXPECT_LT(wrong, 0.002 * double(labelled.labels.size()));
+        EXPECT_LT(labelled.violated_votes, 0.01);
+        EXPECT_GT(labelled.cleanness, 0.7);
+    }
+}
+
+TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
+{
+    // Even labels that mean nothing give a manifold: it is one by construction.
+    std::mt19937 random(3);
+    Points samples = shapes::torus(1500, major, minor, 2).points;
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    const PolarBalls kept =
+        keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double r, const auto&) { return r > 0.02; });
+    const PowerDiagram diagram(kept.balls);
+    const Triangulation regular = diagram.triangulation();
+    for (int trial = 0; trial < 5; ++trial)
+    {
+        std::vector<Side> labels;
+        for (const Ball& ball : kept.balls)
+            labels.push_back(trial == 0 ? true_side(ball.centre) : random() % 2 ? Side::inner : Side::outer);
+        for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)
+            for (const int v : regular.cells[c].vertices)
+                if (v >= 0)
+                    labels[v] = Side::outer;
+        const TriangleMesh mesh = extract_crust(diagram, regular, kept.balls, labels);
+        const checks::MeshReport report = checks::examine_mesh(mesh);
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_EQ(report.unreferenced_vertices, 0);
+        EXPECT_GT(report.volume, 0);
+        EXPECT_EQ(report.euler_characteristic, euler_characteristic(mesh));
+        EXPECT_EQ(report.components, find_components(mesh).count);
+        EXPECT_EQ(mesh.faux_edges.size(), mesh.triangles.size());
+        if (trial == 0)
+        {
+            EXPECT_EQ(report.genus(), 1);
+            EXPECT_NEAR(report.volume, 2 * pi * pi * major * minor * minor, 0.02 * report.volume);
+        }
+    }
+}
+
+TEST(KeepLargestComponent, KeepsTheOneThatEnclosesMost)
+{
+    const std::vector<std::array<int, 3>> faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    TriangleMesh mesh;
+    for (const double size : {1.0, 3.0, 2.0})
+    {
+        const int base = int(mesh.vertices.size());
+        for (const Point& p : {Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)})
+            mesh.vertices.push_back(size * p + Point(5 * base, 0, 0));
+        for (const auto& f : faces)
+            mesh.triangles.push_back({f[0] + base, f[1] + base, f[2] + base});
+    }
+    keep_largest_component(mesh);
+    EXPECT_EQ(mesh.vertices.size(), 4u);
+    EXPECT_NEAR(checks::examine_mesh(mesh).volume, 27.0 / 6, 1e-9);
+}
+
+TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)
+{
+    Points samples = shapes::sphere(3000, 0.4, 1).points;
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(shapes::with_noise(samples, 1e-3, 1));
+    // Balls of a grid, the inside of a sphere labelled inner: a diagram in which faults can be planted at will.
+    std::vector<Ball> balls;
+    std::vector<Side> labels;
+    const int steps = 14;
+    std::mt19937 random(1);
+    for (int x = 0; x <= steps; ++x)
+        for (int y = 0; y <= steps; ++y)
+            for (int z = 0; z <= steps; ++z)
+            {
+                Point p = (Point(x, y, z) / steps - Point::Constant(0.5)) * 1.2;
+                for (int k = 0; k < 3; ++k)
+                    p[k] += 1e-3 * (random() / 4294967296.0);
+                balls.push_back({p, 0.05});
+                labels.push_back(p.norm() < 0.4 ? Side::inner : Side::outer);
+            }
+    const PowerDiagram diagram(balls);
+    const Triangulation regular = diagram.triangulation();
+    std::vector<char> is_root(balls.size(), 0), is_small(balls.size(), 1);
+    for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)
+        for (const int v : regular.cells[c].vertices)
+            if (v >= 0)
+                is_root[v] = 1;
+    const std::vector<Side> truth = labels;
+    const auto index = [&](int x, int y, int z) { return (x * (steps + 1) + y) * (steps + 1) + z; };
+
+    labels[index(7, 7, 7)] = Side::outer; // a void
+    labels[index(1, 1, 13)] = Side::inner; // an island
+    EXPECT_EQ(absorb_islands(regular, is_root, 0.02, labels), 2);
+    EXPECT_EQ(labels, truth);
+
+    // A tunnel of outer balls through the middle makes a torus; all but one of them are certain, so that one is cut.
+    std::vector<double> margins(balls.size(), 1);
+    for (int z = 0; z <= steps; ++z)
+        labels[index(7, 7, z)] = Side::outer;
+    ASSERT_EQ(checks::examine_mesh(extract_crust(diagram, regular, balls, labels)).genus(), 1);
+    EXPECT_EQ(cut_handles(regular, is_root, is_small, margins, {}, labels), 0) << "certain balls stay";
+    margins[index(7, 7, 7)] = 0.2;
+    EXPECT_EQ(cut_handles(regular, is_root, is_small, margins, {}, labels), 1);
+    EXPECT_EQ(checks::examine_mesh(extract_crust(diagram, regular, balls, labels)).genus(), 0);
+}
+
+TEST(OppositeVotes, CrossASlabOfNoise)
+{
+    // Noise far above the spacing: no sample keeps both balls, yet votes go across.
+    Points samples = shapes::with_noise(shapes::sphere(6000, 0.4, 1).points, 0.02, 2);
+    const Points free_samples = samples;
+    const NeighbourSearch search(free_samples);
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    const PolarBalls kept =
+        keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double r, const auto&) { return r > 0.06; });
+    const std::vector<SignedEdge> votes = list_opposite_votes(samples, kept, search, 1);
+    const std::vector<SignedEdge> same = list_opposite_votes(samples, kept, search, 3);
+    ASSERT_EQ(votes.size(), same.size());
+    double right = 0, total = 0;
+    for (std::size_t i = 0; i < votes.size(); ++i)
+    {
+        EXPECT_EQ(votes[i].weight, same[i].weight);
+        EXPECT_LE(votes[i].weight, 0);
+        total -= votes[i].weight;
+        const auto inside = [&](int ball) { return kept.balls[ball].centre.norm() < 0.4; };
+        right -= inside(votes[i].a) != inside(votes[i].b) ? votes[i].weight : 0;
+    }
+    EXPECT_GT(total, 3000);
+    EXPECT_GT(right, 0.99 * total);
+}

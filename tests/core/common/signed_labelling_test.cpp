@@ -1,0 +1,163 @@
+#include <recon/minimum_cut.h>
+#include <recon/signed_labelling.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+using namespace recon;
+
+namespace
+{
+
+/// A random graph with root 0 and hidden sides, of which a share of the edges tells the wrong thing.
+SignedGraph planted_graph(int n, double wrong, unsigned seed, std::vector<Side>& sides)
+{
+    std::mt19937 random(seed);
+    const auto uniform = [&] { return double(random()) / 4294967296.0; };
+    SignedGraph graph;
+    graph.nodes = n;
+    graph.is_root.assign(n, 0);
+    graph.is_root[0] = 1;
+    sides.assign(n, Side::outer);
+    for (int i = 1; i < n; ++i)
+        sides[i] = random() % 2 ? Side::outer : Side::inner;
+    for (int k = 0; k < 8 * n; ++k)
+    {
+        const int a = int(random() % n), b = int(random() % n);
+        if (a == b)
+            continue;
+        const bool lies = uniform() < wrong;
+        const double weight = (lies ? 0.5 : 1.0) * (0.5 + uniform());
+        graph.edges.push_back({a, b, ((sides[a] == sides[b]) != lies) ? weight : -weight});
+    }
+    return graph;
+}
+
+double lowest_energy(const SignedGraph& graph)
+{
+    double lowest = INFINITY;
+    for (int mask = 0; mask < 1 << (graph.nodes - 1); ++mask)
+    {
+        std::vector<Side> labels(graph.nodes, Side::outer);
+        for (int i = 1; i < graph.nodes; ++i)
+            labels[i] = mask >> (i - 1) & 1 ? Side::inner : Side::outer;
+        lowest = std::min(lowest, measure_energy(graph, labels));
+    }
+    return lowest;
+}
+
+} // namespace
+
+TEST(SignedLabelling, FindsPlantedSidesInSpiteOfLies)
+{
+    for (const unsigned seed : {1u, 2u, 3u})
+    {
+        std::vector<Side> sides;
+        const SignedGraph graph = planted_graph(2000, 0.1, seed, sides);
+        EXPECT_EQ(label_by_contraction(graph), sides);
+        EXPECT_EQ(label_by_potential(graph), sides);
+    }
+}
+
+TEST(SignedLabelling, ComesCloseToTheLowestEnergyOfSmallGraphs)
+{
+    double found = 0, lowest = 0;
+    for (unsigned seed = 0; seed < 40; ++seed)
+    {
+        std::vector<Side> sides;
+        const SignedGraph graph = planted_graph(11, 0.25, seed, sides);
+        const double contraction = measure_energy(graph, label_by_contraction(graph));
+        const double potential = measure_energy(graph, label_by_potential(graph));
+        const double best = lowest_energy(graph);
+        EXPECT_GE(std::min(contraction, potential), best - 1e-9);
+        found += std::min(contraction, potential);
+        lowest += best;
+    }
+    EXPECT_LT(found, 1.02 * lowest);
+}
+
+TEST(SignedLabelling, PotentialClosesAHoleThatContractionFallsInto)
+{
+    // Outside 0 and inside 1 are joined by one heavy attraction (a hole), and kept apart by many light votes between their own
+    // small satellites.
+    SignedGraph graph;
+    graph.nodes = 202;
+    graph.is_root.assign(graph.nodes, 0);
+    graph.is_root[0] = 1;
+    graph.edges.push_back({0, 1, 30});
+    for (int i = 2; i < 202; i += 2)
+    {
+        graph.edges.push_back({0, i, 3});
+        graph.edges.push_back({1, i + 1, 3});
+        graph.edges.push_back({i, i + 1, -1});
+    }
+    EXPECT_EQ(label_by_contraction(graph)[1], Side::outer);
+    const std::vector<Side> labels = label_by_potential(graph);
+    EXPECT_EQ(labels[1], Side::inner);
+    EXPECT_NEAR(measure_energy(graph, labels), 30, 1e-12);
+    EXPECT_NEAR(measure_violated_repulsion(graph.edges, labels).share(), 0, 1e-12);
+}
+
+TEST(SignedLabelling, WhatNothingReachesIsInner)
+{
+    SignedGraph graph;
+    graph.nodes = 4;
+    graph.is_root = {1, 0, 0, 0};
+    graph.edges = {{0, 1, 1}, {2, 3, 1}};
+    const std::vector<Side> expected = {Side::outer, Side::outer, Side::inner, Side::inner};
+    EXPECT_EQ(label_by_contraction(graph), expected);
+    EXPECT_EQ(label_by_potential(graph), expected);
+    EXPECT_EQ(label_by_minimum_cut(graph, {}), expected);
+    graph.merged = {{1, 2}};
+    EXPECT_EQ(label_by_contraction(graph), std::vector<Side>(4, Side::outer));
+}
+
+TEST(SignedLabelling, MarginsAndViolationsCountWeights)
+{
+    SignedGraph graph;
+    graph.nodes = 3;
+    graph.is_root = {1, 0, 0};
+    graph.edges = {{0, 1, 3}, {1, 2, -1}, {0, 1, -1}};
+    const std::vector<Side> labels = {Side::outer, Side::outer, Side::inner};
+    const std::vector<double> margins = measure_margins(graph, labels);
+    EXPECT_DOUBLE_EQ(margins[0], 0.5);
+    EXPECT_DOUBLE_EQ(margins[1], 0.6);
+    EXPECT_DOUBLE_EQ(margins[2], 1);
+    EXPECT_DOUBLE_EQ(measure_violated_repulsion(graph.edges, labels).share(), 0.5);
+    EXPECT_DOUBLE_EQ(measure_energy(graph, labels), 1);
+}
+
+TEST(MinimumCut, AgreesWithBruteForce)
+{
+    std::mt19937 random(5);
+    for (int trial = 0; trial < 50; ++trial)
+    {
+        SignedGraph graph;
+        graph.nodes = 9;
+        graph.is_root.assign(graph.nodes, 0);
+        graph.is_root[0] = 1;
+        for (int k = 0; k < 20; ++k)
+            graph.edges.push_back({int(random() % 9), int(random() % 9), double(random() % 100)});
+        std::vector<TerminalTie> ties;
+        for (int k = 0; k < 12; ++k)
+            ties.push_back({int(random() % 9), random() % 2 ? Side::outer : Side::inner, double(1 + random() % 100)});
+        const auto energy = [&](const std::vector<Side>& labels)
+        {
+            double sum = measure_energy(graph, labels);
+            for (const TerminalTie& tie : ties)
+                sum += labels[tie.node] != tie.side ? tie.weight : 0;
+            return sum;
+        };
+        double lowest = INFINITY;
+        for (int mask = 0; mask < 256; ++mask)
+        {
+            std::vector<Side> labels(9, Side::outer);
+            for (int i = 1; i < 9; ++i)
+                labels[i] = mask >> (i - 1) & 1 ? Side::inner : Side::outer;
+            lowest = std::min(lowest, energy(labels));
+        }
+        EXPECT_NEAR(energy(label_by_minimum_cut(graph, ties)), lowest, 1e-9);
+    }
+}
