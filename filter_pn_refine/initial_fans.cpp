@@ -33,9 +33,15 @@ struct Fan
     int gap_from = -1;
 };
 
+struct CreaseRule
+{
+    const std::vector<char>& is_crease;
+    double least_agreement;
+};
+
 /// The fan over the k nearest.
-Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k, double& reach, LocalPoints& local,
-             Ring& ring)
+Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k, const CreaseRule& rule, double& reach,
+             LocalPoints& local, Ring& ring)
 {
     std::vector<int> nearest(static_cast<std::size_t>(k)), hits, classes;
     std::vector<double> squared(static_cast<std::size_t>(k));
@@ -67,6 +73,8 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
     for (int m = 0; m < local.count; ++m)
         if (classes[std::size_t(m)] == 1)
             hits.push_back(m);
+    if (std::any_of(nearest.begin(), nearest.begin() + found, [&](int j) { return rule.is_crease[std::size_t(j)] != 0; }))
+        keep_side_of_crease(local, c, float(rule.least_agreement), hits);
     int order[ring_capacity];
     const int size = make_fan(local, c, hits.data(), int(hits.size()), ring, order);
     fan.widest_gap = 0;
@@ -75,7 +83,7 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
         const int a = order[m], b = order[m + 1 == size ? 0 : m + 1];
         fan.members.push_back(nearest[std::size_t(ring.source[a])]);
         fan.farthest = std::max(fan.farthest, ring.length[a] * 1.00001 * reach);
-        const double gap = turn(ring.angle[a], ring.angle[b]);
+        const double gap = turn_to_next(ring.angle[a], ring.angle[b], m + 1 == size);
         if (gap > fan.widest_gap)
         {
             fan.widest_gap = gap;
@@ -89,9 +97,11 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
 
 } // namespace
 
-InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search, double factor, int threads,
+InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search,
+                              const std::vector<char>& is_crease, double crease_angle, double factor, int threads,
                               const Progress& progress)
 {
+    const CreaseRule rule{is_crease, std::cos(crease_angle)};
     const int n = int(samples.points.size());
     std::vector<Fan> fans(static_cast<std::size_t>(n));
     parallel_for(
@@ -102,9 +112,9 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSea
             thread_local Ring ring;
             double reach = 0;
             // A fan that is closed well within the points looked at cannot gain a member from those beyond.
-            fans[i] = find_fan(samples, search, int(i), std::min(n, 24), reach, local, ring);
+            fans[i] = find_fan(samples, search, int(i), std::min(n, 24), rule, reach, local, ring);
             if (n > 24 && (fans[i].widest_gap > 1.92 || reach < 1.5 * fans[i].farthest))
-                fans[i] = find_fan(samples, search, int(i), std::min(n, 64), reach, local, ring);
+                fans[i] = find_fan(samples, search, int(i), std::min(n, 64), rule, reach, local, ring);
         },
         64);
 

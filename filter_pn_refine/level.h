@@ -20,7 +20,8 @@ struct WorkPoint
     enum Flag : std::uint32_t
     {
         refined = 1, ///< Its neighbourhood is completed in the next step.
-        frozen = 2   ///< Never refined.
+        frozen = 2,  ///< Never refined.
+        crease = 4   ///< Shares its position with others of other normals.
     };
     std::uint32_t flags = refined;
 };

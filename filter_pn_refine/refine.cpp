@@ -3,6 +3,7 @@
 #include "initial_fans.h"
 #include "normal_repair.h"
 #include "refine_leaf.h"
+#include "segments.h"
 #include "usable_samples.h"
 
 #include <recon/errors.h>
@@ -117,7 +118,9 @@ public:
             repair(usable, search, progress.part(0.03, 0.06, "normals"));
         times.begin("radii");
         const InitialFans fans =
-            find_initial_fans(usable.samples, search, 1.5, threads_, progress.part(0.06, 0.15, "radii"));
+            find_initial_fans(usable.samples, search, usable.is_crease, options_.crease_angle * radians, 1.5, threads_,
+                              progress.part(0.06, 0.15, "radii"));
+        find_segments(usable, fans);
         start(usable, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
 
@@ -149,6 +152,19 @@ private:
                                        " turned over, since most neighbours contradict.");
     }
 
+    void find_segments(const UsableSamples& usable, const InitialFans& fans)
+    {
+        if (options_.preserve_boundaries)
+            segments_ = find_boundary_segments(usable, fans, options_.boundary_angle * radians);
+        result_.boundary_segments = int(segments_.size());
+        if (options_.preserve_creases)
+        {
+            const std::vector<Segment> creases = find_crease_segments(usable, fans, options_.crease_angle * radians);
+            result_.crease_segments = int(creases.size());
+            segments_.insert(segments_.end(), creases.begin(), creases.end());
+        }
+    }
+
     void start(const UsableSamples& usable, const std::vector<double>& radii)
     {
         const double target = options_.target_radius / frame_.scale();
@@ -162,6 +178,8 @@ private:
             p.id = usable.input[i];
             const bool is_frozen = !hints_.is_refined.empty() && !hints_.is_refined[std::size_t(usable.input[i])];
             p.flags = is_frozen ? WorkPoint::frozen : (p.radius > target && p.radius > 0 ? WorkPoint::refined : 0u);
+            if (usable.is_crease[i] && options_.preserve_creases)
+                p.flags |= WorkPoint::crease;
         }
         level_ = make_level(std::move(points));
     }
@@ -181,7 +199,19 @@ private:
                 next_radius[i] = level_.points[i].radius;
 
         times.begin("refine");
-        const RefineStep step{level_, graph, choose_precision(options_), children, next_radius, open_gaps};
+        // On every odd step (section 6), before what lies beside them.
+        const bool is_odd = result_.steps.size() % 2 == 0;
+        std::vector<InsertedThirds> thirds;
+        if (is_odd)
+            thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), children);
+        const RefineStep step{level_,
+                              graph,
+                              choose_precision(options_),
+                              float(std::cos(options_.crease_angle * radians)),
+                              float(options_.boundary_angle * radians),
+                              children,
+                              next_radius,
+                              open_gaps};
         double done = 0;
         for (const std::vector<int>& colour : graph.colours)
         {
@@ -206,6 +236,8 @@ private:
             return false;
         }
         append(children, first, made, before);
+        if (is_odd)
+            segments_ = divide_segments(segments_, thirds, children);
         level_ = grow_level(level_, children, next_radius, options_.target_radius / frame_.scale(), threads_,
                             progress.part(0.9, 1, progress_name));
         describe_step(before + made, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
@@ -275,6 +307,7 @@ private:
     const int input_count_;
     const PnRefineHints& hints_;
     Level level_;
+    std::vector<Segment> segments_;
     PnRefinement result_;
 };
 

@@ -55,6 +55,7 @@ struct Workspace
     std::vector<Neighbour> neighbours;
     Point centre;
     double scale = 1;
+    bool has_creases = false; ///< Some local point lies on one.
 };
 
 void append_local(LocalPoints& to, const WorkPoint& p, const Workspace& w, int leaf, int index)
@@ -86,12 +87,16 @@ void gather(const RefineStep& step, int self, Workspace& w)
     { return (leaf.box.minimum - p).cwiseMax(p - leaf.box.maximum).cwiseMax(0.0).squaredNorm() <= reach2; };
     w.old_points.clear();
     w.new_points.clear();
+    w.has_creases = false;
     const auto take = [&](int from)
     {
         const Leaf& other = step.level.leaves[std::size_t(from)];
         for (int i = other.begin; i < other.end; ++i)
             if (from == self || is_near(step.level.points[std::size_t(i)].position))
+            {
                 append_local(w.old_points, step.level.points[std::size_t(i)], w, from, i);
+                w.has_creases |= (step.level.points[std::size_t(i)].flags & WorkPoint::crease) != 0;
+            }
         const std::vector<Child>& children = step.children[std::size_t(from)];
         for (std::size_t i = 0; i < children.size(); ++i)
             if (from == self || is_near(children[i].point.position))
@@ -185,7 +190,7 @@ PN_INLINE void list_candidates(const Centre& c, const Ring& ring, const int* fan
     for (int k = 0; k < size && size > 1; ++k)
     {
         const int a = fan[k], b = fan[k + 1 == size ? 0 : k + 1];
-        if (turn(ring.angle[a], ring.angle[b]) >= half_turn - 1e-4f)
+        if (turn_to_next(ring.angle[a], ring.angle[b], k + 1 == size) >= half_turn - 1e-4f)
             continue;
         const float dx = ring.x[b] - ring.x[a], dy = ring.y[b] - ring.y[a], dz = ring.z[b] - ring.z[a];
         const float cx = ring.y[a] * ring.z[b] - ring.z[a] * ring.y[b], cy = ring.z[a] * ring.x[b] - ring.x[a] * ring.z[b],
@@ -225,9 +230,9 @@ PN_INLINE void list_candidates(const Centre& c, const Ring& ring, const int* fan
     }
 }
 
-float measure_gap(const Neighbour& from, const Neighbour& to, bool curved)
+float measure_gap(const Neighbour& from, const Neighbour& to, bool is_last, bool curved)
 {
-    const float plane = &from == &to ? full_turn : turn(from.angle, to.angle);
+    const float plane = turn_to_next(from.angle, to.angle, is_last);
     // The curve bends an angle by far less than what lies outside these limits.
     if (!curved || plane < 0.7f || plane >= half_turn)
         return plane;
@@ -243,9 +248,9 @@ void join(std::vector<Neighbour>& list, const Neighbour& added, bool curved)
         --place;
     list.insert(list.begin() + std::ptrdiff_t(place), added);
     const std::size_t n = list.size(), before = place == 0 ? n - 1 : place - 1, after = place + 1 == n ? 0 : place + 1;
-    list[before].gap = measure_gap(list[before], list[place], curved);
+    list[before].gap = measure_gap(list[before], list[place], place == 0, curved);
     list[before].is_dead = false;
-    list[place].gap = measure_gap(list[place], list[after], curved);
+    list[place].gap = measure_gap(list[place], list[after], after == 0, curved);
     list[place].is_dead = false;
 }
 
@@ -331,12 +336,12 @@ struct PointRefiner
             {
                 const std::size_t next = widest + 1 == list.size() ? 0 : widest + 1;
                 start = list[widest].angle;
-                width = next == widest ? full_turn : turn(start, list[next].angle);
+                width = turn_to_next(start, list[next].angle, next == 0);
             }
 
             // The candidate in the gap's sector that halves it best.
             int best = -1;
-            float best_score = 0;
+            float best_score = LocalRules::least_turn;
             for (int k = 0; k < candidates.count; ++k)
             {
                 const float t = turn(start, candidates.angle[k]), score = std::min(t, width - t);
@@ -358,7 +363,8 @@ struct PointRefiner
                 float nearest2 = 1e30f;
                 for (int k = 0; k < arrivals.count; ++k)
                 {
-                    if (arrivals.is_neighbour[k] || turn(start, arrivals.angle[k]) >= width)
+                    const float t = turn(start, arrivals.angle[k]);
+                    if (arrivals.is_neighbour[k] || std::min(t, width - t) < LocalRules::least_turn)
                         continue;
                     const float d2 = distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]);
                     if (d2 < nearest2)
@@ -430,6 +436,8 @@ struct PointRefiner
         set_tangents(c);
 
         find_near(old_points, c, w);
+        if (w.has_creases)
+            keep_side_of_crease(old_points, c, step.least_crease_agreement, w.hits);
         fill_ring(old_points, c, w.hits.data(), int(w.hits.size()), w.ring);
         Ring& ring = w.ring;
         bool accurate = step.precision == Precision::accurate || step.precision == Precision::fuzzy;
@@ -452,6 +460,8 @@ struct PointRefiner
         list_candidates(c, ring, fan, fan_size, accurate, w.candidates);
 
         find_near(w.new_points, c, w);
+        if (w.has_creases)
+            reject_other_side(p, c);
         fill_arrivals(w.new_points, c, w, w.arrivals);
 
         std::vector<Neighbour>& list = w.neighbours;
@@ -467,8 +477,25 @@ struct PointRefiner
                 join(list, from_arrival(w.arrivals, k, w.new_points), accurate);
 
         const bool is_open = fill_gaps(p, c, accurate);
-        write_radii(own, c, is_open);
+        // A rim stays open: keeping the radius large there would only collect neighbours.
+        bool is_rim = fan_size < 2;
+        for (int k = 0; k < fan_size && !is_rim; ++k)
+            is_rim = turn_to_next(ring.angle[fan[k]], ring.angle[fan[k + 1 == fan_size ? 0 : k + 1]], k + 1 == fan_size) >
+                     step.boundary_angle;
+        write_radii(own, c, is_open && !is_rim);
         return is_open;
+    }
+
+    /// New points on the other side of a crease still keep others at a distance.
+    void reject_other_side(const WorkPoint&, const Centre& c)
+    {
+        const std::vector<int> before = w.hits;
+        keep_side_of_crease(w.new_points, c, step.least_crease_agreement, w.hits);
+        for (std::size_t k = 0, m = 0; k < before.size(); ++k)
+            if (m < w.hits.size() && w.hits[m] == before[k])
+                ++m;
+            else
+                w.rejected.push_back(before[k]);
     }
 
     void write_radii(int own, const Centre& c, bool is_open)

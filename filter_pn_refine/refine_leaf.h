@@ -20,6 +20,8 @@ struct RefineStep
     const Level& level;
     const LeafGraph& graph;
     Precision precision = Precision::automatic;
+    float least_crease_agreement = 0; ///< Cosine of the crease angle: of normals near creases.
+    float boundary_angle = 0;         ///< [radians]
     std::vector<std::vector<Child>>& children; ///< Per leaf.
     std::vector<double>& next_radius;          ///< Per point of the level: raised.
     std::vector<int>& open_gaps;               ///< Per leaf: points whose neighbourhood stayed open.
@@ -37,6 +39,7 @@ struct LocalRules
     static constexpr float discard_near = 0.25f;        ///< Around new points of the neighbourhood, in their radii.
     static constexpr float least_distance = 0.1f;       ///< To any point, also one with another normal.
     static constexpr float complete_angle = 1.57079633f; ///< theta_c.
+    static constexpr float least_turn = 0.35f;          ///< [radians] What halves a gap worse does not close it: along a rim it only raises radii.
     static constexpr float shrink = 0.9f;               ///< No radius written while refining a point exceeds this: radii run away else.
     static constexpr float open_radius = 0.8f;          ///< A point with an open gap keeps at least this.
     static constexpr float least_height = 0.1f;         ///< Of a candidate's triangle, in its longest edge.

@@ -131,6 +131,35 @@ inline void thin_hits(const LocalPoints& points, const Centre& c, std::vector<in
         hits.insert(hits.end(), best[s], best[s] + filled[s]);
 }
 
+/// Near a crease: drops hits from its other side, that is with normals that agree too little or, at a crease point, more
+/// with another normal of that point.
+inline void keep_side_of_crease(const LocalPoints& points, const Centre& c, float least, std::vector<int>& hits)
+{
+    std::vector<int> twins;
+    const float same = 1e-12f / (c.inverse_radius * c.inverse_radius);
+    for (int j = 0; j < points.count; ++j)
+    {
+        const auto i = std::size_t(j);
+        const float dx = points.x[i] - c.x, dy = points.y[i] - c.y, dz = points.z[i] - c.z;
+        if (dx * dx + dy * dy + dz * dz <= same)
+            twins.push_back(j);
+    }
+    const auto agreement = [&](float x, float y, float z, int j)
+    { return x * points.nx[std::size_t(j)] + y * points.ny[std::size_t(j)] + z * points.nz[std::size_t(j)]; };
+    std::size_t kept = 0;
+    for (int j : hits)
+    {
+        const float own = agreement(c.n[0], c.n[1], c.n[2], j);
+        bool stays = own >= least;
+        for (int t : twins)
+            stays = stays && agreement(points.nx[std::size_t(t)], points.ny[std::size_t(t)], points.nz[std::size_t(t)], j) <=
+                                 own + 1e-5f;
+        if (stays)
+            hits[kept++] = j;
+    }
+    hits.resize(kept);
+}
+
 /// Fills the ring from the local points in `hits` (at most ring_capacity).
 PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, const int* hits, int count, Ring& ring)
 {
@@ -258,11 +287,18 @@ PN_INLINE int sort_fan(const Ring& ring, const float* badness, int* fan)
     return kept;
 }
 
-/// Angle from one direction to the next, counter-clockwise, in (0, 2 pi].
+/// Angle from one direction to another, counter-clockwise, in [0, 2 pi).
 PN_INLINE float turn(float from, float to)
 {
     const float a = to - from;
-    return a > 0 ? a : a + 6.28318531f;
+    return a >= 0 ? a : a + 6.28318531f;
+}
+
+/// The same for successive ones of a list sorted by angle: directions that are equal are no full turn apart, except where
+/// the last is followed by the first.
+PN_INLINE float turn_to_next(float from, float to, bool is_last)
+{
+    return is_last ? to - from + 6.28318531f : to - from;
 }
 
 /// Tangents of a centre from its normal (Duff et al. 2017).

@@ -11,26 +11,30 @@ namespace recon::pn
 namespace
 {
 
-/// Per sample: distance to the nearest point elsewhere.
+/// Per sample: distance to the fourth nearest point elsewhere, which random clusters do not change much.
 std::vector<double> nearest_distances(const Points& points, const NeighbourSearch& search, int threads)
 {
     std::vector<double> distances(points.size(), 0);
     parallel_for(points.size(), threads, {},
                  [&](std::size_t i)
                  {
-                     constexpr int k = 6; // three normals at a corner and more
+                     constexpr int k = 8; // up to four normals at a corner
                      int indices[k];
                      double squared[k];
                      const int found = search.nearest(points[i], k, indices, squared);
-                     for (int m = 0; m < found && distances[i] == 0; ++m)
-                         distances[i] = std::sqrt(squared[m]);
+                     for (int m = 0, elsewhere = 0; m < found && elsewhere < 4; ++m)
+                         if (squared[m] > 0)
+                         {
+                             distances[i] = std::sqrt(squared[m]);
+                             ++elsewhere;
+                         }
                  });
     return distances;
 }
 
 std::vector<char> find_isolated(const Points& points, int threads)
 {
-    constexpr double far = 8; // times what is usual around
+    constexpr double far = 6; // times what is usual around
     constexpr int k = 10;
     const NeighbourSearch search(points);
     const std::vector<double> distances = nearest_distances(points, search, threads);
@@ -124,6 +128,10 @@ UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFram
         // Points at one place are isolated together or not at all.
         usable.sharing.push_back(kept_as[std::size_t(sharing[i])]);
     }
+    usable.is_crease.assign(usable.input.size(), 0);
+    for (std::size_t i = 0; i < usable.input.size(); ++i)
+        if (const auto first = std::size_t(usable.sharing[i]); first != i)
+            usable.is_crease[i] = usable.is_crease[first] = 1;
     return usable;
 }
 

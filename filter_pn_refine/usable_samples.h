@@ -15,6 +15,7 @@ struct UsableSamples
     OrientedSamples samples;  ///< Unit normals.
     std::vector<int> input;   ///< Per sample its index in the input.
     std::vector<int> sharing; ///< Per sample: the first sample at the same position (a crease's first normal); itself mostly.
+    std::vector<char> is_crease; ///< Per sample: shares its position with another.
     int duplicates = 0, without_normal = 0, isolated = 0;
 };
 

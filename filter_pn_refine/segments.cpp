@@ -1,0 +1,234 @@
+#include "segments.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace recon::pn
+{
+namespace
+{
+
+/// Two crease splats at each end, as places in the usable samples.
+struct CreaseLink
+{
+    int place_a, place_b; ///< First sample at the position.
+    std::array<int, 2> a, b;
+    double length;
+};
+
+/// Tangent of a curve at one of its ends: along the crease where two normals meet, in the tangent plane of a rim.
+Vector end_tangent(const Vector& chord, const Vector& n0, const Vector& n1, bool is_crease)
+{
+    const double length = chord.norm();
+    Vector t = is_crease ? n0.cross(n1).eval() : (chord - chord.dot(n0) * n0).eval();
+    if (is_crease)
+        t = t.dot(chord) < 0 ? Vector(-t) : t;
+    const double size = t.norm();
+    // Where it would turn away by more than 45 degrees (corners), the chord tells more.
+    if (!(size > 1e-6 * (is_crease ? 1 : length)) || t.dot(chord) < 0.7 * size * length)
+        return chord / 3;
+    return t * (length / (3 * size));
+}
+
+Vector normal_on_curve(const Vector& nearer, const Vector& farther, const Vector& tangent)
+{
+    const Vector mean = 2 * nearer + farther;
+    const Vector flat = mean - mean.dot(tangent) / tangent.squaredNorm() * tangent;
+    const double length = flat.norm();
+    return length > 0.5 * mean.norm() && length > 0 ? Vector(flat / length) : mean.normalized();
+}
+
+} // namespace
+
+std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans, double boundary_angle)
+{
+    const int n = int(usable.input.size());
+    std::vector<int> next(std::size_t(n), -1), previous(std::size_t(n), -1);
+    for (std::size_t i = 0; i < std::size_t(n); ++i)
+    {
+        const int size = fans.first[i + 1] - fans.first[i];
+        if (size < 2 || fans.widest_gap[i] < boundary_angle)
+            continue;
+        const int from = fans.gap_from[i], to = from + 1 == fans.first[i + 1] ? fans.first[i] : from + 1;
+        next[i] = fans.member[std::size_t(from)];
+        previous[i] = fans.member[std::size_t(to)];
+    }
+    std::vector<Segment> segments;
+    for (int i = 0; i < n; ++i)
+    {
+        const int j = next[std::size_t(i)];
+        // The other splats of a crease end where it does: that is no rim.
+        if (j >= 0 && previous[std::size_t(j)] == i && usable.sharing[std::size_t(i)] == i &&
+            !usable.is_crease[std::size_t(i)] && !usable.is_crease[std::size_t(j)])
+        {
+            Segment s;
+            s.a = {usable.input[std::size_t(i)], -1};
+            s.b = {usable.input[std::size_t(j)], -1};
+            segments.push_back(s);
+        }
+    }
+    return segments;
+}
+
+std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans, double crease_angle)
+{
+    const int n = int(usable.input.size());
+    const double same = std::cos(crease_angle);
+    // Links of splats, both ways into one key.
+    std::map<std::pair<int, int>, std::vector<std::array<int, 2>>> links;
+    for (int i = 0; i < n; ++i)
+    {
+        if (!usable.is_crease[std::size_t(i)])
+            continue;
+        for (int m = fans.first[std::size_t(i)]; m < fans.first[std::size_t(i) + 1]; ++m)
+        {
+            const int j = fans.member[std::size_t(m)];
+            if (!usable.is_crease[std::size_t(j)] ||
+                usable.samples.normals[std::size_t(i)].dot(usable.samples.normals[std::size_t(j)]) < same)
+                continue;
+            const int a = usable.sharing[std::size_t(i)], b = usable.sharing[std::size_t(j)];
+            if (a < b)
+                links[{a, b}].push_back({i, j});
+            else if (b < a)
+                links[{b, a}].push_back({j, i});
+        }
+    }
+    std::vector<CreaseLink> found;
+    for (auto& [key, pairs] : links)
+    {
+        CreaseLink link{key.first, key.second, {}, {}, 0};
+        double best = -2;
+        for (const auto& p : pairs)
+            for (const auto& q : pairs)
+                if (p[0] < q[0] && p[1] != q[1])
+                {
+                    const auto& normals = usable.samples.normals;
+                    const double agreement = normals[std::size_t(p[0])].dot(normals[std::size_t(p[1])]) +
+                                             normals[std::size_t(q[0])].dot(normals[std::size_t(q[1])]);
+                    if (agreement > best)
+                    {
+                        best = agreement;
+                        link.a = {p[0], q[0]};
+                        link.b = {p[1], q[1]};
+                    }
+                }
+        if (best < -1)
+            continue;
+        link.length =
+            (usable.samples.points[std::size_t(key.first)] - usable.samples.points[std::size_t(key.second)]).norm();
+        found.push_back(link);
+    }
+    // The nearest link in each direction, seen from both ends.
+    std::stable_sort(found.begin(), found.end(),
+                     [](const CreaseLink& x, const CreaseLink& y) { return x.length < y.length; });
+    std::map<int, Vectors> taken;
+    std::vector<Segment> segments;
+    for (const CreaseLink& link : found)
+    {
+        const Vector d = (usable.samples.points[std::size_t(link.place_b)] - usable.samples.points[std::size_t(link.place_a)]) /
+                         link.length;
+        const auto is_free = [&](int place, const Vector& direction)
+        {
+            const Vectors& t = taken[place];
+            return std::none_of(t.begin(), t.end(), [&](const Vector& other) { return other.dot(direction) > 0.5; });
+        };
+        if (!is_free(link.place_a, d) || !is_free(link.place_b, -d))
+            continue;
+        taken[link.place_a].push_back(d);
+        taken[link.place_b].push_back(-d);
+        Segment s;
+        s.sides = 2;
+        for (std::size_t k = 0; k < 2; ++k)
+        {
+            s.a[k] = usable.input[std::size_t(link.a[k])];
+            s.b[k] = usable.input[std::size_t(link.b[k])];
+        }
+        segments.push_back(s);
+    }
+    return segments;
+}
+
+std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
+                                          std::vector<std::vector<Child>>& children)
+{
+    std::vector<InsertedThirds> inserted(segments.size());
+    if (segments.empty())
+        return inserted;
+    const std::vector<int> places = places_of_ids(level, ids);
+    for (std::size_t s = 0; s < segments.size(); ++s)
+    {
+        const Segment& segment = segments[s];
+        std::array<int, 2> at_a{}, at_b{};
+        std::array<const WorkPoint*, 2> a{}, b{};
+        for (std::size_t side = 0; side < std::size_t(segment.sides); ++side)
+        {
+            at_a[side] = places[std::size_t(segment.a[side])];
+            at_b[side] = places[std::size_t(segment.b[side])];
+            a[side] = &level.points[std::size_t(at_a[side])];
+            b[side] = &level.points[std::size_t(at_b[side])];
+        }
+        if (!(a[0]->flags & WorkPoint::refined) || !(b[0]->flags & WorkPoint::refined))
+            continue;
+        const bool is_crease = segment.sides == 2;
+        const Vector chord = b[0]->position - a[0]->position;
+        const std::size_t other = is_crease ? 1 : 0;
+        const Vector ta = end_tangent(chord, a[0]->normal, a[other]->normal, is_crease);
+        const Vector tb = -end_tangent(-chord, b[0]->normal, b[other]->normal, is_crease);
+        InsertedThirds& done = inserted[s];
+        done.is_done = true;
+        for (std::size_t third = 0; third < 2; ++third)
+        {
+            const double t = third == 0 ? 1.0 / 3 : 2.0 / 3, u = 1 - t;
+            // Relative to the nearer end, so that straight creases through it stay exactly straight.
+            const Vector from_a = 3 * u * u * t * ta + 3 * u * t * t * (chord - tb) + t * t * t * chord;
+            const Vector tangent = u * u * ta + 2 * u * t * (chord - ta - tb) + t * t * tb;
+            for (std::size_t side = 0; side < std::size_t(segment.sides); ++side)
+            {
+                const WorkPoint &nearer = third == 0 ? *a[side] : *b[side], &farther = third == 0 ? *b[side] : *a[side];
+                Child child;
+                child.point.position = a[0]->position + from_a;
+                child.point.normal = normal_on_curve(nearer.normal, farther.normal, tangent);
+                child.point.radius = 0.5 * chord.norm();
+                child.point.flags = WorkPoint::refined | (is_crease ? WorkPoint::crease : 0u);
+                child.parents = {nearer.id, nearer.id, farther.id};
+                const int leaf = leaf_of_place(level, third == 0 ? at_a[side] : at_b[side]);
+                std::vector<Child>& list = children[std::size_t(leaf)];
+                done.place[third][side] = {leaf, int(list.size())};
+                list.push_back(child);
+            }
+        }
+    }
+    return inserted;
+}
+
+std::vector<Segment> divide_segments(const std::vector<Segment>& segments, const std::vector<InsertedThirds>& inserted,
+                                     const std::vector<std::vector<Child>>& children)
+{
+    std::vector<Segment> divided;
+    divided.reserve(3 * segments.size());
+    for (std::size_t s = 0; s < segments.size(); ++s)
+    {
+        const Segment& segment = segments[s];
+        if (!inserted[s].is_done)
+        {
+            divided.push_back(segment);
+            continue;
+        }
+        std::array<std::array<int, 2>, 2> ids{};
+        for (std::size_t third = 0; third < 2; ++third)
+            for (std::size_t side = 0; side < std::size_t(segment.sides); ++side)
+            {
+                const auto [leaf, index] = inserted[s].place[third][side];
+                ids[third][side] = children[std::size_t(leaf)][std::size_t(index)].point.id;
+            }
+        divided.push_back({segment.a, ids[0], segment.sides});
+        divided.push_back({ids[0], ids[1], segment.sides});
+        divided.push_back({ids[1], segment.b, segment.sides});
+    }
+    return divided;
+}
+
+} // namespace recon::pn

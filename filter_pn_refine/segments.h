@@ -1,0 +1,41 @@
+#pragma once
+
+#include "initial_fans.h"
+#include "level.h"
+#include "usable_samples.h"
+
+#include <vector>
+
+namespace recon::pn
+{
+
+/// Part of a rim (one normal at each end) or of a crease (two), refined along its own curve (section 6). Ends are ids.
+struct Segment
+{
+    std::array<int, 2> a, b; ///< Per side; rims use the first only.
+    int sides = 1;
+};
+
+/// Pairs of rim points that follow each other on both their fans.
+std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans, double boundary_angle);
+
+/// Pairs of crease positions that are neighbours on two sides: straight on, not across.
+std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans, double crease_angle);
+
+/// Where the points inserted on a segment went: leaf and index there, per side, at one third and at two.
+struct InsertedThirds
+{
+    std::array<std::array<std::array<int, 2>, 2>, 2> place; ///< [third][side] = {leaf, index}
+    bool is_done = false;
+};
+
+/// Inserts two points (on creases two pairs) on each segment whose ends are still refined, at the thirds of its cubic curve,
+/// as children of the leaves that hold its ends.
+std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
+                                          std::vector<std::vector<Child>>& children);
+
+/// Replaces every segment that has been divided by its three parts. The children must have their ids.
+std::vector<Segment> divide_segments(const std::vector<Segment>& segments, const std::vector<InsertedThirds>& inserted,
+                                     const std::vector<std::vector<Child>>& children);
+
+} // namespace recon::pn
