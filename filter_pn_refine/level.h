@@ -31,6 +31,7 @@ struct Child
 {
     WorkPoint point;
     std::array<int, 3> parents; ///< Ids.
+    double largest_radius = 0;  ///< Its radius may not be raised above this.
 };
 
 /// Up to leaf_capacity points next to each other in space and in memory: what one task refines.

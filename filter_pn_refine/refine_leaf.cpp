@@ -58,7 +58,7 @@ struct Workspace
     bool has_creases = false; ///< Some local point lies on one.
 };
 
-void append_local(LocalPoints& to, const WorkPoint& p, const Workspace& w, int leaf, int index)
+void append_local(LocalPoints& to, const WorkPoint& p, double largest_radius, const Workspace& w, int leaf, int index)
 {
     if (to.count == int(to.x.size()))
         to.reserve(std::max(256, 2 * to.count));
@@ -71,6 +71,7 @@ void append_local(LocalPoints& to, const WorkPoint& p, const Workspace& w, int l
     to.ny[n] = float(p.normal.y());
     to.nz[n] = float(p.normal.z());
     to.radius[n] = float(p.radius * w.scale);
+    to.largest_radius[n] = float(largest_radius * w.scale);
     to.leaf[n] = leaf;
     to.index[n] = index;
 }
@@ -94,13 +95,14 @@ void gather(const RefineStep& step, int self, Workspace& w)
         for (int i = other.begin; i < other.end; ++i)
             if (from == self || is_near(step.level.points[std::size_t(i)].position))
             {
-                append_local(w.old_points, step.level.points[std::size_t(i)], w, from, i);
+                const WorkPoint& p = step.level.points[std::size_t(i)];
+                append_local(w.old_points, p, LocalRules::shrink * p.radius, w, from, i);
                 w.has_creases |= (step.level.points[std::size_t(i)].flags & WorkPoint::crease) != 0;
             }
         const std::vector<Child>& children = step.children[std::size_t(from)];
         for (std::size_t i = 0; i < children.size(); ++i)
             if (from == self || is_near(children[i].point.position))
-                append_local(w.new_points, children[i].point, w, from, int(i));
+                append_local(w.new_points, children[i].point, children[i].largest_radius, w, from, int(i));
     };
     take(self);
     for (int k = step.graph.first[std::size_t(self)]; k < step.graph.first[std::size_t(self) + 1]; ++k)
@@ -409,7 +411,8 @@ struct PointRefiner
         if (a.count >= ring_capacity || !make_child(p, pa, pb, child))
             return;
         std::vector<Child>& children = step.children[std::size_t(leaf)];
-        append_local(w.new_points, child.point, w, leaf, int(children.size()));
+        child.largest_radius = LocalRules::shrink * p.radius;
+        append_local(w.new_points, child.point, child.largest_radius, w, leaf, int(children.size()));
         children.push_back(child);
         const int local = w.new_points.count - 1, k = a.count++;
         const auto j = std::size_t(local);
@@ -514,8 +517,11 @@ struct PointRefiner
                 reach = std::max(reach, std::sqrt(distance2(j.x, j.y, j.z, before.x, before.y, before.z)));
             if (!j.is_dead)
                 reach = std::max(reach, std::sqrt(distance2(j.x, j.y, j.z, after.x, after.y, after.z)));
-            float& old = (j.is_new ? w.new_points.radius : w.next)[std::size_t(j.source)];
-            old = std::max(old, std::min(reach * hair, LocalRules::shrink) / c.inverse_radius);
+            const auto at = std::size_t(j.source);
+            float& old = j.is_new ? w.new_points.radius[at] : w.next[at];
+            // Nor may a point with a large radius, at the rim of a hole, raise those of all others around it.
+            const float limit = (j.is_new ? w.new_points : w.old_points).largest_radius[at];
+            old = std::max(old, std::min(std::min(reach * hair, LocalRules::shrink) / c.inverse_radius, limit));
         }
         float& own_next = w.next[std::size_t(own)];
         own_next = std::max(own_next, std::min(radius * hair, LocalRules::shrink) / c.inverse_radius);

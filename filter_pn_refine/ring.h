@@ -20,6 +20,7 @@ struct LocalPoints
 {
     std::vector<float> x, y, z, nx, ny, nz;
     std::vector<float> radius;
+    std::vector<float> largest_radius; ///< What it may be raised to.
     std::vector<int> leaf, index; ///< Where the point comes from.
     int count = 0;
 
@@ -28,7 +29,7 @@ struct LocalPoints
     {
         if (int(x.size()) >= n)
             return;
-        for (std::vector<float>* v : {&x, &y, &z, &nx, &ny, &nz, &radius})
+        for (std::vector<float>* v : {&x, &y, &z, &nx, &ny, &nz, &radius, &largest_radius})
             v->resize(std::size_t(n));
         leaf.resize(std::size_t(n));
         index.resize(std::size_t(n));

@@ -192,6 +192,7 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
                 child.point.position = a[0]->position + from_a;
                 child.point.normal = normal_on_curve(nearer.normal, farther.normal, tangent);
                 child.point.radius = 0.5 * chord.norm();
+                child.largest_radius = 0.9 * nearer.radius;
                 child.point.flags = WorkPoint::refined | (is_crease ? WorkPoint::crease : 0u);
                 child.parents = {nearer.id, nearer.id, farther.id};
                 const int leaf = leaf_of_place(level, third == 0 ? at_a[side] : at_b[side]);
