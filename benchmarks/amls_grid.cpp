@@ -1,5 +1,6 @@
 // Grid B with defaults only: RMS and largest distance to the true mesh after projection, orientation, CPU time.
-// amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--noise factor] [--save folder] [--phases]
+// amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--noise factor] [--save
+// folder] [--phases]
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -25,6 +26,22 @@ std::vector<std::string> split(const std::string& list)
     for (std::string word; std::getline(in, word, ',');)
         words.push_back(word);
     return words;
+}
+
+/// Means of the triangles' normals, weighted by angle.
+Vectors vertex_normals(const TriangleMesh& mesh)
+{
+    Vectors normals(mesh.vertices.size(), Vector::Zero());
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+        {
+            const Vector a = mesh.vertices[t[(k + 1) % 3]] - mesh.vertices[t[k]],
+                         b = mesh.vertices[t[(k + 2) % 3]] - mesh.vertices[t[k]];
+            const Vector cross = a.cross(b);
+            if (cross.norm() > 0)
+                normals[t[k]] += cross.normalized() * std::atan2(cross.norm(), a.dot(b));
+        }
+    return normals;
 }
 
 } // namespace
@@ -75,6 +92,7 @@ int main(int argc, char** argv)
     {
         const benchmarks::Model model = benchmarks::load_model(folder + "/" + name + ".ply");
         const benchmarks::MeshDistance truth(model.mesh);
+        const Vectors truth_normals = vertex_normals(model.mesh);
         for (const std::string& sigma : sigmas)
             for (const std::string& seed : seeds)
             {
@@ -102,9 +120,9 @@ int main(int argc, char** argv)
                     squares += nearest.distance * nearest.distance;
                     before += was * was;
                     largest = std::max(largest, nearest.distance);
-                    const auto& t = model.mesh.triangles[nearest.triangle];
-                    const auto& v = model.mesh.vertices;
-                    right += (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).dot(projection.normals[i]) > 0;
+                    // The normal of the vertex of which the point is a copy.
+                    const std::size_t vertices = model.mesh.vertices.size();
+                    right += truth_normals[i < vertices ? i : (i - vertices) / 4].dot(projection.normals[i]) > 0;
                     worse += nearest.distance > was + projection.spacings[i];
                     iterations += projection.iterations[i];
                     neighbours += projection.neighbours[i];

@@ -22,6 +22,7 @@ constexpr double normal_cut = 2.3;   // normal widths
 constexpr double normal_points = 30; // effective points that a normal needs
 constexpr double isolated_mass = 0.15, isolated_radius = 3.7;
 constexpr int isolated_points = 6;
+constexpr double dense_mass = 0.7, lonely_mass = 0.08, detail_radius = 1; // radius in widths
 constexpr double stray_mass = 0.5, stray_share = 0.3, stray_radius = 4.5; // radius in sigmas
 constexpr double run_radius = 0.5;                                        // widths
 constexpr int longest_run = 32;
@@ -86,7 +87,7 @@ CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progres
     const NeighbourSearch search(cells.means);
     const std::vector<Run> runs =
         split_into_runs(cells.means, longest_run, [&](int i) { return run_radius * cells.scales[i].width; });
-    std::vector<std::uint8_t> few(n);
+    std::vector<std::uint8_t> isolated(n);
     parallel_chunks(runs.size(), threads, 64, progress.part(0, 0.8, "Normals"),
                     [&](std::size_t begin, std::size_t end)
                     {
@@ -128,15 +129,23 @@ CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progres
                         {
                             if (result.mass[c] >= isolated_mass)
                                 continue;
-                            search.within(cells.means[c], isolated_radius * cells.scales[c].width, found);
-                            double points = 0;
+                            const LocalScale& scale = cells.scales[c];
+                            search.within(cells.means[c], isolated_radius * scale.width, found);
+                            double points = 0, nearest = 1e300;
                             for (int i : found)
+                            {
                                 points += cells.counts[i];
-                            few[c] = points < isolated_points;
+                                if (result.mass[i] >= dense_mass)
+                                    nearest = std::min(nearest, (cells.means[i] - cells.means[c]).squaredNorm());
+                            }
+                            // Alone, or so far above a dense surface that neither noise nor detail explains it.
+                            const double reach = std::max(stray_radius * scale.sigma, detail_radius * scale.width);
+                            isolated[c] = points < isolated_points ||
+                                          (nearest < 1e300 && nearest > reach * reach && result.mass[c] < lonely_mass);
                         }
                     });
     for (int c = 0; c < n; ++c)
-        if (few[c])
+        if (isolated[c])
             result.kinds[c] = CellKind::outlier;
 
     // Strays take over from regular cells only, so the order in which they are found does not matter.
@@ -147,14 +156,14 @@ CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progres
                         std::vector<int> found;
                         for (std::size_t c = begin; c < end; ++c)
                         {
-                            if (few[c] || result.mass[c] >= stray_mass)
+                            if (isolated[c] || result.mass[c] >= stray_mass)
                                 continue;
                             const double sigma = cells.scales[c].sigma;
                             search.within(cells.means[c], stray_radius * sigma, found);
                             double largest = 0, best = 0;
                             for (int i : found)
                             {
-                                if (few[i])
+                                if (isolated[i])
                                     continue;
                                 largest = std::max(largest, result.mass[i]);
                                 const double squared = (cells.means[i] - cells.means[c]).squaredNorm();

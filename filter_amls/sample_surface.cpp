@@ -8,7 +8,8 @@
 namespace recon
 {
 
-SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surface, int threads, const Progress& progress)
+SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surface, int threads,
+                                   const Progress& progress)
 {
     AmlsProjectionOptions options;
     options.threads = threads;

@@ -1,0 +1,369 @@
+#include <filter_amls/project.h>
+
+#include <recon/errors.h>
+
+#include "tests/shapes.h"
+
+#include <Eigen/Geometry>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+using namespace recon;
+
+namespace
+{
+
+using Distance = std::function<double(const Point&)>;
+
+AmlsProjection project_all(const Points& points, int threads = 0)
+{
+    AmlsOptions options;
+    options.threads = threads;
+    AmlsProjectionOptions projection;
+    projection.threads = threads;
+    return project_to_amls(points, build_amls_surface(points, options), projection);
+}
+
+double rms(const Points& points, const Distance& distance)
+{
+    double squares = 0;
+    for (const Point& p : points)
+        squares += distance(p) * distance(p);
+    return std::sqrt(squares / double(points.size()));
+}
+
+/// Share of results whose normal agrees with the one of the noise-free sample.
+double oriented_share(const AmlsProjection& result, const Vectors& truth)
+{
+    int right = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        right += result.normals[i].dot(truth[i]) > 0;
+    return right / double(truth.size());
+}
+
+struct Shape
+{
+    const char* name;
+    OrientedSamples samples;
+    Distance distance;
+};
+
+std::vector<Shape> smooth_shapes()
+{
+    return {
+        {"sphere", shapes::sphere(8000, 1, 1), [](const Point& p) { return shapes::distance_to_sphere(p, 1); }},
+        {"torus", shapes::torus(12000, 1, 0.4, 2), [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); }},
+        {"capsule", shapes::capsule(8000, 0.4, 0.8, 3),
+         [](const Point& p) { return shapes::distance_to_capsule(p, 0.4, 0.8); }},
+    };
+}
+
+} // namespace
+
+TEST(AmlsSurface, RemovesMostOfTheNoiseOnSmoothShapes)
+{
+    for (const Shape& shape : smooth_shapes())
+        for (double sigma : {0.01, 0.03})
+        {
+            const Points noisy = shapes::with_noise(shape.samples.points, sigma, 7);
+            const AmlsProjection result = project_all(noisy);
+            EXPECT_LT(rms(result.points, shape.distance), 0.3 * rms(noisy, shape.distance))
+                << shape.name << " " << sigma;
+            EXPECT_GT(oriented_share(result, shape.samples.normals), 0.999) << shape.name << " " << sigma;
+            EXPECT_EQ(result.count(ProjectionStatus::outlier), 0) << shape.name << " " << sigma;
+        }
+}
+
+TEST(AmlsSurface, NormalsFollowTheSurface)
+{
+    const OrientedSamples torus = shapes::torus(12000, 1, 0.4, 4);
+    const AmlsProjection result = project_all(shapes::with_noise(torus.points, 0.01, 5));
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < result.points.size(); ++i)
+    {
+        const Point& p = result.points[i];
+        const Vector ring = Vector(p.x(), p.y(), 0).normalized();
+        angles.push_back(std::acos(std::clamp(result.normals[i].dot((p - ring).normalized()), -1.0, 1.0)));
+        EXPECT_NEAR(result.normals[i].norm(), 1, 1e-9);
+    }
+    std::nth_element(angles.begin(), angles.begin() + angles.size() / 2, angles.end());
+    EXPECT_LT(angles[angles.size() / 2], 3 * M_PI / 180);
+}
+
+TEST(AmlsSurface, BarelyMovesPointsWithoutNoise)
+{
+    for (const Shape& shape : smooth_shapes())
+    {
+        const AmlsProjection result = project_all(shape.samples.points);
+        EXPECT_LT(rms(result.points, shape.distance), 5e-4) << shape.name;
+        EXPECT_GT(oriented_share(result, shape.samples.normals), 0.9999) << shape.name;
+    }
+}
+
+TEST(AmlsSurface, ErrorFallsAsDensityRises)
+{
+    double previous = 1;
+    for (int n : {2000, 8000, 32000})
+    {
+        const Points noisy = shapes::with_noise(shapes::sphere(n, 1, 9).points, 0.01, 10);
+        const double error =
+            rms(project_all(noisy).points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); });
+        EXPECT_LT(error, 0.85 * previous) << n;
+        previous = error;
+    }
+}
+
+TEST(AmlsSurface, KeepsBoxesWithinTheNoise)
+{
+    const Vector sides(1, 1.5, 2);
+    const OrientedSamples box = shapes::box(15000, sides, 12);
+    const Points noisy = shapes::with_noise(box.points, 0.01, 13);
+    const AmlsProjection result = project_all(noisy);
+    const Distance distance = [&](const Point& p) { return shapes::distance_to_box(p, sides); };
+    EXPECT_LT(rms(result.points, distance), 0.8 * rms(noisy, distance));
+    EXPECT_GT(oriented_share(result, box.normals), 0.999);
+}
+
+TEST(AmlsSurface, DoesNotDependOnThreadsBitForBit)
+{
+    const Points points = shapes::with_noise(shapes::torus(5000, 1, 0.4, 15).points, 0.01, 16);
+    const AmlsProjection one = project_all(points, 1), three = project_all(points, 3);
+    EXPECT_EQ(one.points, three.points);
+    EXPECT_EQ(one.normals, three.normals);
+    EXPECT_EQ(one.status, three.status);
+}
+
+TEST(AmlsSurface, DoesNotDependOnTheOrderOfThePoints)
+{
+    Points points = shapes::with_noise(shapes::torus(5000, 1, 0.4, 15).points, 0.01, 16);
+    Points forward = project_all(points).points;
+    std::reverse(points.begin(), points.end());
+    const Points backward = project_all(points).points;
+    std::reverse(forward.begin(), forward.end());
+    EXPECT_EQ(forward, backward);
+}
+
+TEST(AmlsSurface, MovesWithTheFrame)
+{
+    const Points points = shapes::with_noise(shapes::sphere(3000, 1, 17).points, 0.01, 18);
+    const AmlsProjection reference = project_all(points);
+    struct Frame
+    {
+        double scale;
+        Vector offset;
+        double tolerance;
+    };
+    for (const Frame& frame :
+         {Frame{1e-30, Vector::Zero(), 1e-6}, Frame{1e30, Vector::Zero(), 1e-6}, Frame{1, Vector(5e5, 4e6, 100), 1e-6}})
+    {
+        Points moved = points;
+        for (Point& p : moved)
+            p = p * frame.scale + frame.offset;
+        const AmlsProjection result = project_all(moved);
+        double largest = 0;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            largest = std::max(largest, ((result.points[i] - frame.offset) / frame.scale - reference.points[i]).norm());
+        EXPECT_LT(largest, frame.tolerance) << frame.scale;
+    }
+}
+
+TEST(AmlsSurface, EqualPointsCountOnce)
+{
+    const Points points = shapes::with_noise(shapes::sphere(3000, 1, 19).points, 0.01, 20);
+    Points doubled = points;
+    doubled.insert(doubled.end(), points.begin(), points.begin() + 1500);
+    const AmlsProjection once = project_all(points), twice = project_all(doubled);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ(once.points[i], twice.points[i]);
+    EXPECT_EQ(twice.points[3000], twice.points[0]);
+}
+
+TEST(AmlsSurface, LeavesOutliersAlone)
+{
+    Points points = shapes::with_noise(shapes::sphere(8000, 1, 21).points, 0.01, 22);
+    const std::size_t n = points.size();
+    shapes::Random random(23);
+    const auto coordinate = [&] { return 6.0 * double(random() >> 11) * 0x1p-53 - 3.0; };
+    for (int i = 0; i < 80; ++i)
+    {
+        const double x = coordinate(), y = coordinate();
+        points.emplace_back(x, y, coordinate());
+    }
+    const AmlsProjection result = project_all(points);
+    int far = 0, left = 0;
+    for (std::size_t i = n; i < points.size(); ++i)
+        if (shapes::distance_to_sphere(points[i], 1) > 0.5)
+        {
+            ++far;
+            left += result.status[i] == ProjectionStatus::outlier && result.points[i] == points[i];
+        }
+    ASSERT_GT(far, 40);
+    EXPECT_EQ(left, far);
+    const Points inliers(result.points.begin(), result.points.begin() + std::ptrdiff_t(n));
+    EXPECT_LT(rms(inliers, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 0.003);
+}
+
+TEST(AmlsSurface, TakesSidesFromGivenNormals)
+{
+    const OrientedSamples sphere = shapes::sphere(3000, 1, 25);
+    Vectors inward = sphere.normals;
+    for (Vector& n : inward)
+        n *= -3;
+    const AmlsProjection result = project_to_amls(sphere.points, build_amls_surface(sphere.points, {}, {}, inward));
+    EXPECT_EQ(oriented_share(result, sphere.normals), 0);
+}
+
+TEST(AmlsSurface, DISABLED_WidthFollowsRhoE)
+{
+    const Points points = shapes::with_noise(shapes::sphere(8000, 1, 27).points, 0.005, 28);
+    AmlsOptions options;
+    options.rho_e = 0.4;
+    const AmlsSurfaceReport narrow = build_amls_surface(points, options).report();
+    options.rho_e = 0.8;
+    const AmlsSurfaceReport wide = build_amls_surface(points, options).report();
+    EXPECT_NEAR(narrow.rho_e, 0.4, 0.05);
+    EXPECT_NEAR(wide.width / narrow.width, 2, 0.2);
+    // The feature size of a unit sphere is its radius.
+    EXPECT_NEAR(wide.width, 0.8 / std::pow(2, 0.25), 0.12);
+}
+
+TEST(AmlsSurface, ReportsWhatItFound)
+{
+    const Points points = shapes::with_noise(shapes::sphere(20000, 1, 29).points, 0.01, 30);
+    const AmlsSurfaceReport report = build_amls_surface(points).report();
+    EXPECT_NEAR(report.noise, 0.01, 0.0015);
+    EXPECT_NEAR(report.spacing, std::sqrt(4 * M_PI / 20000), 0.002);
+    EXPECT_GT(report.anchors, 100);
+    EXPECT_FALSE(report.open);
+    EXPECT_FALSE(report.seconds.empty());
+}
+
+TEST(AmlsProjection, BringsFarPointsBack)
+{
+    const AmlsSurface surface = build_amls_surface(shapes::with_noise(shapes::sphere(8000, 1, 31).points, 0.005, 32));
+    Points queries;
+    for (const Point& p : shapes::sphere(500, 1, 33).points)
+        queries.push_back(p * (queries.size() % 2 == 0 ? 1.15 : 0.85));
+    const AmlsProjection result = project_to_amls(queries, surface);
+    for (const Point& p : result.points)
+        EXPECT_LT(shapes::distance_to_sphere(p, 1), 0.01);
+}
+
+TEST(AmlsProjection, IsNearlyIdempotent)
+{
+    const Points points = shapes::with_noise(shapes::torus(8000, 1, 0.4, 34).points, 0.01, 35);
+    const AmlsSurface surface = build_amls_surface(points);
+    const AmlsProjection once = project_to_amls(points, surface);
+    const AmlsProjection again = project_to_amls(once.points, surface);
+    double squares = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        squares += (again.points[i] - once.points[i]).squaredNorm();
+    EXPECT_LT(std::sqrt(squares / double(points.size())), 2e-4);
+}
+
+TEST(AmlsProjection, RefusesBadOptions)
+{
+    const Points points = shapes::sphere(500, 1, 36).points;
+    const AmlsSurface surface = build_amls_surface(points);
+    const auto with = [&](auto change)
+    {
+        AmlsProjectionOptions options;
+        change(options);
+        return project_to_amls(points, surface, options);
+    };
+    EXPECT_THROW(with([](auto& o) { o.max_iterations = 0; }), InvalidInput);
+    EXPECT_THROW(with([](auto& o) { o.tolerance = 0; }), InvalidInput);
+    EXPECT_THROW(with([](auto& o) { o.cut_off = -1; }), InvalidInput);
+    EXPECT_THROW(with([](auto& o) { o.threads = -1; }), InvalidInput);
+    EXPECT_THROW(project_to_amls({Point(0, 0, std::numeric_limits<double>::infinity())}, surface), InvalidInput);
+    EXPECT_TRUE(project_to_amls({}, surface).points.empty());
+    EXPECT_THROW(project_to_amls(points, surface, {}, Progress([](double, const std::string&) { return false; })),
+                 Cancelled);
+}
+
+TEST(AmlsSurface, RefusesHostileInput)
+{
+    const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    Points plane, line;
+    for (int i = 0; i < 100; ++i)
+    {
+        plane.emplace_back(i % 10, i / 10, 3);
+        line.emplace_back(i, 2 * i, 3 * i);
+    }
+    for (const Points& points : {Points{}, Points{Point(1, 2, 3)}, Points(20, Point(1, 1, 1)), line, plane,
+                                 Points{Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, nan, 1)},
+                                 Points{Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, inf, 1)}})
+        EXPECT_THROW(build_amls_surface(points), InvalidInput);
+
+    const Points sphere = shapes::sphere(100, 1, 37).points;
+    AmlsOptions options;
+    options.rho_e = -1;
+    EXPECT_THROW(build_amls_surface(sphere, options), InvalidInput);
+    options = {};
+    options.noise = nan;
+    EXPECT_THROW(build_amls_surface(sphere, options), InvalidInput);
+    EXPECT_THROW(build_amls_surface(sphere, {}, {}, Vectors(3, Vector::UnitX())), InvalidInput);
+}
+
+TEST(AmlsSurface, SurvivesStrangeClouds)
+{
+    const auto check = [](const Points& points, const char* what)
+    {
+        const AmlsProjection result = project_all(points);
+        ASSERT_EQ(result.points.size(), points.size()) << what;
+        for (std::size_t i = 0; i < points.size(); ++i)
+        {
+            EXPECT_TRUE(result.points[i].allFinite()) << what;
+            EXPECT_NEAR(result.normals[i].norm(), 1, 1e-6) << what;
+        }
+    };
+    for (int n : {4, 5, 8, 20, 60})
+        check(shapes::sphere(n, 1, 38).points, "few points");
+    Points grid;
+    for (int i = 0; i < 1000; ++i)
+        grid.emplace_back(i % 10, i / 10 % 10, i / 100);
+    check(grid, "solid grid");
+    Points flat = shapes::with_noise(Points(2000, Point(0, 0, 0)), 1, 39);
+    check(flat, "Gaussian blob");
+    for (Point& p : flat)
+        p.z() *= 1e-6;
+    check(flat, "nearly plane");
+    Points far = shapes::sphere(500, 1, 40).points;
+    far.emplace_back(1e7, 0, 0);
+    check(far, "far outlier");
+    Points two = shapes::sphere(500, 1, 41).points;
+    for (const Point& p : shapes::sphere(500, 1, 42).points)
+        two.push_back(p * 1e-4 + Vector(3, 0, 0));
+    check(two, "two scales");
+}
+
+TEST(AmlsSurface, CanBeCancelledAtEveryPhase)
+{
+    const Points points = shapes::with_noise(shapes::sphere(2000, 1, 43).points, 0.01, 44);
+    int calls = 0;
+    double last = 0;
+    build_amls_surface(points, {},
+                       Progress(
+                           [&](double fraction, const std::string&)
+                           {
+                               ++calls;
+                               EXPECT_GE(fraction, last);
+                               last = fraction;
+                               return true;
+                           }));
+    ASSERT_GT(calls, 5);
+    for (int stop = 0; stop < calls; stop += std::max(1, calls / 10))
+    {
+        int call = 0;
+        AmlsOptions options;
+        options.threads = 1; // the same calls each time
+        EXPECT_THROW(build_amls_surface(points, options,
+                                        Progress([&](double, const std::string&) { return call++ < stop / 2; })),
+                     Cancelled);
+    }
+}
