@@ -153,7 +153,7 @@ class MeshLab2025:
         arguments = ["cancel"] if cancel else []
         for name, value in parameters.items():
             if isinstance(value, Length):
-                text = f"{value.value!r}{'%' if value.per_cent else ''}"
+                text = f"{float(value.value)!r}{'%' if value.per_cent else ''}"
             else:
                 text = str(value).lower() if isinstance(value, bool) else str(value)
             arguments.append(f"{name}={text}")
