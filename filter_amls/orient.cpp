@@ -1,6 +1,7 @@
 #include "orient.h"
 
-#include <recon/delaunay.h>
+#include "feature_size.h"
+
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
@@ -16,12 +17,9 @@ namespace recon
 namespace
 {
 
-constexpr double big_spacings = 3;     // a ball of this many spacings is fully trusted
-constexpr double box_half_width = 2.5; // diagonals
-constexpr double outside_weight = 2;   // of the tie between the infinite cells and the outside
+constexpr double big_spacings = 3;   // a ball of this many spacings is fully trusted
+constexpr double outside_weight = 2; // of the tie between the infinite cells and the outside
 constexpr double opposite_weight = 0.98;
-constexpr double feature_spacings = 2; // poles below it are holes between the points, not the medial axis
-constexpr double feature_cosine = 0.8;
 constexpr int vote_rounds = 6;
 constexpr int vote_neighbours = 12;
 
@@ -95,13 +93,11 @@ Balls make_balls(const Points& points, const Vectors& normals, const std::vector
                  const Progress& progress)
 {
     const int n = int(points.size());
-    Points with_box = points;
-    for (int corner = 0; corner < 8; ++corner)
-        with_box.emplace_back(corner & 1 ? box_half_width : -box_half_width,
-                              corner & 2 ? box_half_width : -box_half_width,
-                              corner & 4 ? box_half_width : -box_half_width);
     Balls balls;
-    balls.delaunay = triangulate_delaunay(with_box, progress);
+    PolarCells polar = find_polar_cells(points, normals, progress);
+    balls.delaunay = std::move(polar.delaunay);
+    balls.outer = std::move(polar.outer);
+    balls.inner = std::move(polar.inner);
     const Triangulation& t = balls.delaunay;
     balls.radius.resize(t.finite_cells);
     balls.big.resize(t.finite_cells);
@@ -110,7 +106,6 @@ Balls make_balls(const Points& points, const Vectors& normals, const std::vector
         [&](std::size_t c)
         {
             const auto& vertices = t.cells[c].vertices;
-            balls.radius[c] = (t.centres[c] - with_box[vertices[0]]).norm();
             double local = 0;
             int count = 0;
             for (int v : vertices)
@@ -118,28 +113,13 @@ Balls make_balls(const Points& points, const Vectors& normals, const std::vector
                 {
                     local += spacing[v];
                     ++count;
+                    balls.radius[c] = (t.centres[c] - points[v]).norm();
                 }
+            if (count == 0)
+                balls.radius[c] = 4 * t.centres[c].norm() + 4; // between corners of the box only
             balls.big[c] = count == 0 ? 1 : std::min(1.0, balls.radius[c] / (big_spacings * local / count));
         },
         4096);
-
-    balls.outer.assign(n, -1);
-    balls.inner.assign(n, -1);
-    std::vector<double> outer_distance(n, 0), inner_distance(n, 0);
-    for (int c = 0; c < t.finite_cells; ++c)
-        for (int v : t.cells[c].vertices)
-        {
-            if (v >= n)
-                continue;
-            const double squared = balls.radius[c] * balls.radius[c];
-            const bool out = (t.centres[c] - points[v]).dot(normals[v]) > 0;
-            double& farthest = out ? outer_distance[v] : inner_distance[v];
-            if (squared > farthest)
-            {
-                farthest = squared;
-                (out ? balls.outer : balls.inner)[v] = c;
-            }
-        }
     return balls;
 }
 
@@ -320,23 +300,10 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
         for (Vector& normal : result.normals)
             normal = -normal;
 
-    Points poles;
-    for (int v = 0; v < n; ++v)
-        for (int cell : {balls.outer[v], balls.inner[v]})
-            if (cell >= 0 && balls.radius[cell] > feature_spacings * spacing[v] && balls.radius[cell] < 1 &&
-                pole_cosine(balls, points, normals, v, cell) > feature_cosine)
-                poles.push_back(t.centres[cell]);
-    const NeighbourSearch pole_search(poles);
-    result.feature_size.assign(n, std::numeric_limits<double>::infinity());
-    parallel_for(
-        std::size_t(n), threads, {},
-        [&](std::size_t v)
-        {
-            const int pole = pole_search.nearest(points[v]);
-            if (pole >= 0)
-                result.feature_size[v] = (poles[pole] - points[v]).norm();
-        },
-        1024);
+    FeatureSizeOptions options;
+    options.threads = threads;
+    result.feature_size =
+        measure_feature_size(points, select_poles(t, points, normals, spacing, balls.outer, balls.inner), options);
     return result;
 }
 

@@ -218,7 +218,7 @@ TEST(AmlsSurface, TakesSidesFromGivenNormals)
     EXPECT_EQ(oriented_share(result, sphere.normals), 0);
 }
 
-TEST(AmlsSurface, DISABLED_WidthFollowsRhoE)
+TEST(AmlsSurface, WidthFollowsRhoE)
 {
     const Points points = shapes::with_noise(shapes::sphere(8000, 1, 27).points, 0.005, 28);
     AmlsOptions options;
