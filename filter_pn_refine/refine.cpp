@@ -1,5 +1,6 @@
 #include "refine.h"
 
+#include "hole_filling.h"
 #include "initial_fans.h"
 #include "normal_repair.h"
 #include "refine_leaf.h"
@@ -79,16 +80,13 @@ std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans&
                                  const PnRefineHints& hints, double scale)
 {
     std::vector<double> radii = fans.radius;
-    const double rim = options.boundary_angle * radians;
     for (std::size_t i = 0; i < radii.size(); ++i)
     {
         double given = options.initial_radius;
         if (given == 0 && !hints.radii.empty())
-            given = hints.radii[std::size_t(usable.input[i])];
+            given = usable.input[i] < int(hints.radii.size()) ? hints.radii[std::size_t(usable.input[i])] : 0;
         if (given > 0 && std::isfinite(given))
             radii[i] = given / scale;
-        if (options.hole_radius > 0 && fans.widest_gap[i] > rim)
-            radii[i] = std::max(radii[i], 2 * options.hole_radius / scale);
         // Across the whole cloud nothing is a neighbourhood; a wild radius given must not make every point one.
         radii[i] = std::min(radii[i], 1.0);
     }
@@ -117,9 +115,12 @@ public:
         if (options_.repair_normals)
             repair(usable, search, progress.part(0.03, 0.06, "normals"));
         times.begin("radii");
-        const InitialFans fans =
+        InitialFans fans =
             find_initial_fans(usable.samples, search, usable.is_crease, options_.crease_angle * radians, 1.5, threads_,
                               progress.part(0.06, 0.15, "radii"));
+        if (options_.hole_radius > 0 && fill(usable, fans))
+            fans = find_initial_fans(usable.samples, NeighbourSearch(usable.samples.points), usable.is_crease,
+                                     options_.crease_angle * radians, 1.5, threads_, {});
         find_segments(usable, fans);
         start(usable, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
@@ -152,6 +153,39 @@ private:
                                        " turned over, since most neighbours contradict.");
     }
 
+    /// Puts points into holes. \returns false if there is nothing to fill.
+    bool fill(UsableSamples& usable, const InitialFans& fans)
+    {
+        PnRefineOptions options;
+        options.preserve_boundaries = options.preserve_creases = options.repair_normals = false;
+        options.threads = threads_;
+        const auto refine = [&](const OrientedSamples& samples, int steps)
+        {
+            options.steps = steps;
+            PnRefinement r = refine_points(samples, options);
+            return Refined{std::move(r.points), std::move(r.normals), std::move(r.parents)};
+        };
+        const HoleFill fill = fill_holes(usable, fans, options_.boundary_angle * radians,
+                                         options_.hole_radius / frame_.scale(), refine);
+        const int n = int(usable.input.size());
+        for (std::size_t i = 0; i < fill.samples.points.size(); ++i)
+        {
+            std::array<int, 3> parents;
+            for (std::size_t m = 0; m < 3; ++m)
+                parents[m] = usable.input[std::size_t(fill.parents[i][m])];
+            result_.points.push_back(frame_.from_unit(fill.samples.points[i]));
+            result_.normals.push_back(fill.samples.normals[i]);
+            result_.parents.push_back(parents);
+            usable.samples.points.push_back(fill.samples.points[i]);
+            usable.samples.normals.push_back(fill.samples.normals[i]);
+            usable.input.push_back(input_count_ + int(i));
+            usable.sharing.push_back(n + int(i));
+            usable.is_crease.push_back(0);
+        }
+        result_.hole_points = int(fill.samples.points.size());
+        return result_.hole_points > 0;
+    }
+
     void find_segments(const UsableSamples& usable, const InitialFans& fans)
     {
         if (options_.preserve_boundaries)
@@ -176,7 +210,7 @@ private:
             p.normal = usable.samples.normals[i];
             p.radius = radii[i];
             p.id = usable.input[i];
-            const bool is_frozen = !hints_.is_refined.empty() && !hints_.is_refined[std::size_t(usable.input[i])];
+            const bool is_frozen = usable.input[i] < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(usable.input[i])];
             p.flags = is_frozen ? WorkPoint::frozen : (p.radius > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
                 p.flags |= WorkPoint::crease;

@@ -27,7 +27,7 @@ struct PnRefineOptions
     PnNeighbourhood neighbourhood = PnNeighbourhood::automatic;
     bool fast = false;                                            ///< All four shortcuts of section 7 everywhere: less exact where samples are few.
     double initial_radius = 0;                                    ///< Radius of each point at the start [length], >= 0; 0 = automatic or given per point.
-    double hole_radius = 0;                                       ///< Holes up to this radius are filled: rim points start with it doubled [length], >= 0; 0 = off.
+    double hole_radius = 0;                                       ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
     double boundary_angle = 150;                                  ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.
     double crease_angle = 45;                                     ///< Normals that differ by more make a crease [degrees], 0 to 180.
     bool detect_creases = false;                                  ///< Puts crease samples between neighbours whose normals differ by more than crease_angle. Else creases are only where two points share one position.
@@ -67,6 +67,7 @@ struct PnRefinement
     std::vector<int> turned_normals; ///< Input points whose normal was turned before refinement, ascending.
     std::vector<PnStepStatistics> steps;
     int boundary_segments = 0, crease_segments = 0; ///< At the start.
+    int hole_points = 0; ///< Points put into holes before the first step; they come first among the appended ones.
     int left_out = 0; ///< Input points that took no part: duplicates, without normal, isolated.
     std::vector<std::pair<std::string, double>> seconds; ///< Per phase.
     std::vector<std::string> warnings;

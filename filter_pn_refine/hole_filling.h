@@ -1,0 +1,33 @@
+#pragma once
+
+#include "initial_fans.h"
+#include "usable_samples.h"
+
+#include <array>
+#include <functional>
+
+namespace recon::pn
+{
+
+/// Points that close holes, as dense as the samples around them.
+struct HoleFill
+{
+    OrientedSamples samples;
+    std::vector<std::array<int, 3>> parents; ///< Usable samples, or (from their number on) points of the fill before it.
+};
+
+/// What `refine` returns: appended points and their parents.
+struct Refined
+{
+    Points points;
+    Vectors normals;
+    std::vector<std::array<int, 3>> parents;
+};
+
+/// Fills holes up to `hole_radius` [units of the samples]. Radii that overlap a hole, as the paper has it, are only helpful
+/// among points as far apart as the hole is wide: so the samples around rims are thinned to that distance, refined by
+/// `refine` until they are dense again, and of what that makes the points in the holes are kept.
+HoleFill fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
+                    const std::function<Refined(const OrientedSamples&, int steps)>& refine);
+
+} // namespace recon::pn
