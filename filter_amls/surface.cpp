@@ -199,6 +199,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         std::make_shared<AmlsSurface::Data>(frame, std::move(cells), std::move(normals.normals),
                                             std::move(normals.feet), std::move(normals.kinds), std::move(fitted));
     data->feature_size = orientation.feature_size;
+    data->anchor_spacing = std::move(spacing);
     AmlsSurfaceReport& report = data->report;
     report.noise = frame.scale() * noise.median_sigma();
     report.spacing = frame.scale() * noise.median_spacing();

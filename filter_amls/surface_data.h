@@ -26,7 +26,8 @@ struct AmlsSurface::Data
     std::vector<Anchor> anchors;
     Points positions; ///< Of the anchors.
     NeighbourSearch cell_search, anchor_search;
-    std::vector<double> feature_size; ///< Per anchor [unit]; infinite where there is no pole.
+    std::vector<double> anchor_spacing; ///< Distance of neighbouring anchors, per anchor [unit].
+    std::vector<double> feature_size;   ///< Per anchor [unit]; infinite where there is no pole.
     AmlsSurfaceReport report;
 
 private:

@@ -1,0 +1,213 @@
+#include "plain_mls.h"
+
+#include <recon/errors.h>
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recon
+{
+namespace
+{
+
+const double root_of_two = std::sqrt(2.0);
+
+void check(const OrientedSamples& samples, const std::vector<double>& feature_size, const PlainMlsOptions& options)
+{
+    const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
+    if (samples.points.empty() || samples.normals.size() != samples.points.size() ||
+        feature_size.size() != samples.points.size())
+        throw InvalidInput("The surface needs at least one sample, and a normal and a feature size for each.");
+    if (!std::all_of(feature_size.begin(), feature_size.end(), positive))
+        throw InvalidInput("A feature size is not a positive number.");
+    if (!positive(options.rho_e))
+        throw InvalidInput("rho_e must be a positive number; the paper uses 0.75.");
+    if (!positive(options.cut_off) || !positive(options.tolerance) || !positive(options.largest_step))
+        throw InvalidInput("Cut-off, tolerance and largest step must be positive numbers.");
+    if (options.max_iterations < 1)
+        throw InvalidInput("The number of iterations must be at least 1.");
+}
+
+/// Evaluates the functions at one place and steps towards their zero.
+class PlainProjector
+{
+public:
+    PlainProjector(const OrientedSamples& samples, const std::vector<double>& feature_size,
+                   const NeighbourSearch& search, double largest_feature, const PlainMlsOptions& options)
+        : samples_(samples), feature_size_(feature_size), search_(search), largest_feature_(largest_feature),
+          options_(options)
+    {
+    }
+
+    void project(const Point& start, PlainMlsProjection& result, std::size_t i)
+    {
+        Point x = start;
+        Vector normal = Vector::UnitZ();
+        result.converged[i] = 0;
+        for (int step = 1; step <= options_.max_iterations; ++step)
+        {
+            result.iterations[i] = step;
+            const double f = gather(x);
+            result.neighbours[i] = int(found_.size());
+            Vector move;
+            if (found_.empty() || !find_step(x, move, normal))
+                break;
+            const double length = move.norm(), limit = options_.largest_step * f;
+            if (!(length <= limit))
+                move *= limit / length;
+            if (!move.allFinite())
+                break;
+            x += move;
+            if (length < options_.tolerance * options_.rho_e * f / std::sqrt(root_of_two))
+            {
+                result.converged[i] = 1;
+                break;
+            }
+        }
+        result.points[i] = x;
+        result.normals[i] = normal;
+    }
+
+private:
+    /// Samples within the cut-off and their squared widths. \returns f at x.
+    double gather(const Point& x)
+    {
+        const double f = feature_size_[search_.nearest(x)];
+        const double factor = options_.rho_e * options_.rho_e / root_of_two;
+        // Widths vary with the giver; the widest one bounds the search.
+        search_.within(x, options_.cut_off * std::sqrt(factor * f * std::min(largest_feature_, 2.25 * f)), candidates_);
+        found_.clear();
+        inverse_.clear();
+        for (int p : candidates_)
+        {
+            const double squared_width = factor * f * feature_size_[p];
+            if ((x - samples_.points[p]).squaredNorm() <= options_.cut_off * options_.cut_off * squared_width)
+            {
+                found_.push_back(p);
+                inverse_.push_back(1 / squared_width);
+            }
+        }
+        return f;
+    }
+
+    bool find_step(const Point& x, Vector& move, Vector& normal)
+    {
+        return options_.surface == PlainSurface::normalised || options_.surface == PlainSurface::plain_n
+                   ? find_newton_step(x, move, normal)
+                   : find_step_along_normal(x, move, normal);
+    }
+
+    /// Newton's method on N or I = N / W; f at x is taken as locally constant.
+    bool find_newton_step(const Point& x, Vector& move, Vector& normal) const
+    {
+        double n = 0, w = 0;
+        Vector grad_n = Vector::Zero(), grad_w = Vector::Zero();
+        for (std::size_t k = 0; k < found_.size(); ++k)
+        {
+            const Vector u = x - samples_.points[found_[k]];
+            const Vector& v = samples_.normals[found_[k]];
+            const double theta = std::exp(-u.squaredNorm() * inverse_[k]), d = u.dot(v);
+            const Vector grad_theta = -2 * inverse_[k] * theta * u;
+            n += d * theta;
+            w += theta;
+            grad_n += theta * v + d * grad_theta;
+            grad_w += grad_theta;
+        }
+        if (!(w > 0))
+            return false;
+        const double value = options_.surface == PlainSurface::normalised ? n / w : n;
+        const Vector gradient =
+            options_.surface == PlainSurface::normalised ? Vector((grad_n - value * grad_w) / w) : grad_n;
+        const double squared = gradient.squaredNorm();
+        if (!(squared > 0))
+            return false;
+        normal = gradient / std::sqrt(squared);
+        move = -value / squared * gradient;
+        return true;
+    }
+
+    /// VMLS (eq. 8.12) and PMLS (eq. 1.2): n(x) first, so two passes per step.
+    bool find_step_along_normal(const Point& x, Vector& move, Vector& normal)
+    {
+        theta_.resize(found_.size());
+        Vector mean = Vector::Zero();
+        double w = 0;
+        for (std::size_t k = 0; k < found_.size(); ++k)
+        {
+            theta_[k] = std::exp(-(x - samples_.points[found_[k]]).squaredNorm() * inverse_[k]);
+            mean += theta_[k] * samples_.normals[found_[k]];
+            w += theta_[k];
+        }
+        const double length = mean.norm();
+        if (!(length > 0) || !(w > 0))
+            return false;
+        normal = mean / length;
+        double g = 0, slope = 0;
+        for (std::size_t k = 0; k < found_.size(); ++k)
+        {
+            const double d = (x - samples_.points[found_[k]]).dot(normal), t = d * d * inverse_[k];
+            if (options_.surface == PlainSurface::vmls)
+            {
+                g += d * theta_[k];
+                slope += theta_[k];
+            }
+            else
+            {
+                // d/dy of half the sum of d^2 theta along n, and its derivative along n.
+                g += d * theta_[k] * (1 - t);
+                slope += theta_[k] * (1 - 5 * t + 2 * t * t);
+            }
+        }
+        if (slope == 0)
+            return false;
+        move = -g / slope * normal;
+        return true;
+    }
+
+    const OrientedSamples& samples_;
+    const std::vector<double>& feature_size_;
+    const NeighbourSearch& search_;
+    double largest_feature_;
+    const PlainMlsOptions& options_;
+    std::vector<int> candidates_, found_;
+    std::vector<double> inverse_, theta_;
+};
+
+} // namespace
+
+PlainMlsProjection project_to_plain_mls(const Points& queries, const OrientedSamples& samples,
+                                        const std::vector<double>& feature_size, const PlainMlsOptions& options,
+                                        const Progress& progress)
+{
+    check(samples, feature_size, options);
+    const int threads = resolve_threads(options.threads);
+    const UnitFrame frame(samples.points);
+    const UnitFrame queries_frame(queries.empty() ? samples.points : queries); // for its check that they are finite
+    OrientedSamples unit{frame.to_unit(samples.points), samples.normals};
+    std::vector<double> feature(feature_size.size());
+    for (std::size_t i = 0; i < feature.size(); ++i)
+        feature[i] = std::min(feature_size[i] / frame.scale(), 1.0);
+    const double largest = *std::max_element(feature.begin(), feature.end());
+    const NeighbourSearch search(unit.points);
+
+    const std::size_t n = queries.size();
+    PlainMlsProjection result;
+    result.points = frame.to_unit(queries);
+    result.normals.assign(n, Vector::UnitZ());
+    result.converged.assign(n, 0);
+    result.iterations.assign(n, 0);
+    result.neighbours.assign(n, 0);
+    parallel_chunks(n, threads, 256, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        PlainProjector projector(unit, feature, search, largest, options);
+                        for (std::size_t i = begin; i < end; ++i)
+                            projector.project(frame.to_unit(queries[i]), result, i);
+                    });
+    frame.from_unit_in_place(result.points);
+    return result;
+}
+
+} // namespace recon
