@@ -1,5 +1,5 @@
 // Topology of the noisy power crust on grids of models x noise, defaults only.
-// Usage: crust_grid <folder of models> <seed> [a|c|<model>...] [-s sigma,...] [-o output folder] [-t threads] [-d on|off]
+// Usage: crust_grid <folder of models> <seed> [a|c|<model>...] [-s sigma,...] [-o output folder] [-t threads] [-d on|off] [--raw-mesh | --no-smooth | --no-simplify]
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -51,6 +51,12 @@ int main(int argc, char** argv)
             const std::string how = argv[++i];
             options.denoise = how == "on" ? recon::Denoise::on : how == "off" ? recon::Denoise::off : recon::Denoise::automatic;
         }
+        else if (word == "--raw-mesh")
+            options.smooth = options.simplify = false;
+        else if (word == "--no-smooth")
+            options.smooth = false;
+        else if (word == "--no-simplify")
+            options.simplify = false;
         else if (word == "-t")
             options.threads = std::atoi(argv[++i]);
         else

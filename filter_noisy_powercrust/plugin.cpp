@@ -24,6 +24,17 @@ plugin::ParameterTable<Options> table()
                 "surface, as in the paper. 0: intersections are weighed by the samples around them.")
         .choice("keep_components", &Options::keep_components, {"largest", "all"}, "Keep components",
                 "Stray shells around outliers are dropped by keeping only the component that encloses the largest volume.")
+        .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
+                "On: the points are projected onto a smooth surface (AMLS) and thinned before the crust is made; outliers are "
+                "left out. Off: the power crust of the points as they are. Automatic: on where the noise is not far below the "
+                "spacing of the points.")
+        .flag("smooth", &Options::smooth, "Smooth",
+              "Move the vertices of a noisy cloud's crust onto the smooth surface of its points. The topology stays.")
+        .flag("simplify", &Options::simplify, "Simplify",
+              "Collapse short edges, to about one vertex per point that the crust was made of. The topology stays.")
+        .length("trim_length", &Options::trim_length, "Trim",
+                "Drop triangles that are farther than this from every point: opens what was closed over holes of the scan. "
+                "0: keep the surface closed.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
         .count("threads", &Options::threads, "Threads",
                "Number of threads, 0: one per core. The result does not depend on it.");
@@ -42,10 +53,15 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options&
         {"noise", crust.noise},
         {"smallest_ball", crust.smallest_ball},
         {"balls_kept", crust.balls_kept},
+        {"denoised", crust.denoised},
+        {"samples", crust.samples},
+        {"outliers", crust.outliers},
+        {"cleanness", crust.cleanness},
         {"violated_votes", crust.violated_votes},
         {"components", crust.components},
         {"euler_characteristic", crust.euler_characteristic},
         {"genus", crust.genus},
+        {"boundary_loops", crust.boundary_loops},
     };
     for (const auto& [phase, seconds] : crust.seconds)
         result.values.emplace_back(plugin::key_of_seconds(phase), seconds);

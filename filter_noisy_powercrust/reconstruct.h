@@ -31,6 +31,9 @@ struct NoisyPowerCrustOptions
     double deep_intersection = 0; ///< Cosine of intersection above which neighbours agree, 0..1. 0 = weighed in samples.
     KeepComponents keep_components = KeepComponents::largest;
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
+    bool smooth = true;                   ///< Move the vertices of a noisy cloud's crust onto its AMLS surface.
+    bool simplify = true;                 ///< Collapse short edges, to about one vertex per sample.
+    double trim_length = 0;               ///< Drop triangles farther than this from every point [length], >= 0. 0 = keep closed.
     int threads = 0;              ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
@@ -51,7 +54,9 @@ struct NoisyPowerCrust
     double violated_votes = 0;       ///< Share of the samples' vote weight that the labels contradict [0..1].
     int components = 0;              ///< [count]
     int euler_characteristic = 0;
+    int boundary_loops = 0;          ///< 0 unless trimmed [count].
     int genus = 0;                   ///< Summed over the components.
+    double cleanness = 0;            ///< Share of samples that look free of noise, as the gate saw it [0..1].
     std::vector<std::string> warnings; ///< In words for the user.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };

@@ -1,5 +1,6 @@
 #include <recon/ball_scale.h>
 
+#include <recon/cleanness.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -102,8 +103,7 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
         if (cells[0] == Poles::none || cells[1] == Poles::none)
             continue;
         const Vector first = delaunay.centres[cells[0]] - samples[v], second = delaunay.centres[cells[1]] - samples[v];
-        clean[i] = -first.dot(second) > 0.8 * first.norm() * second.norm() &&
-                   std::min(first.norm(), second.norm()) > 0.4 * spacing.eighth[i];
+        clean[i] = has_clean_poles(first, second, spacing.eighth[i]);
     }
     const Points members = points_of(spacing.subset, samples);
     const NeighbourSearch search(members);

@@ -52,9 +52,11 @@ void append_polygon(TriangleMesh& mesh, const std::vector<int>& polygon)
 } // namespace
 
 TriangleMesh extract_crust(const PowerDiagram& diagram, const Triangulation& regular, const std::vector<Ball>& balls,
-                           const std::vector<Side>& labels)
+                           const std::vector<Side>& labels, std::vector<int>* ball_of_vertex)
 {
     TriangleMesh mesh;
+    if (ball_of_vertex)
+        ball_of_vertex->clear();
     std::vector<int> vertex_of_cell(std::size_t(regular.finite_cells), -1);
     for (int c = 0; c < regular.finite_cells; ++c)
     {
@@ -77,6 +79,8 @@ TriangleMesh extract_crust(const PowerDiagram& diagram, const Triangulation& reg
         if (!(error <= 1e-6 * ball.radius * ball.radius))
             centre = diagram.exact_centre(regular.cells[c]);
         mesh.vertices.push_back(centre);
+        if (ball_of_vertex)
+            ball_of_vertex->push_back(v[0]);
     }
 
     std::vector<int> ring, polygon;
@@ -128,24 +132,13 @@ MeshComponents find_components(const TriangleMesh& mesh)
     return result;
 }
 
-void keep_largest_component(TriangleMesh& mesh)
+std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& keep)
 {
-    const MeshComponents components = find_components(mesh);
-    if (components.count < 2)
-        return;
-    std::vector<double> volume(std::size_t(components.count), 0);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    {
-        const auto& t = mesh.triangles[i];
-        volume[components.of_triangle[i]] +=
-            mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
-    }
-    const int largest = int(std::max_element(volume.begin(), volume.end()) - volume.begin());
     TriangleMesh kept;
-    std::vector<int> number(mesh.vertices.size(), -1);
+    std::vector<int> number(mesh.vertices.size(), -1), former;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     {
-        if (components.of_triangle[i] != largest)
+        if (!keep[i])
             continue;
         std::array<int, 3> triangle;
         for (int k = 0; k < 3; ++k)
@@ -153,8 +146,9 @@ void keep_largest_component(TriangleMesh& mesh)
             int& v = number[mesh.triangles[i][k]];
             if (v < 0)
             {
-                v = int(kept.vertices.size());
-                kept.vertices.push_back(mesh.vertices[mesh.triangles[i][k]]);
+                v = int(former.size());
+                former.push_back(mesh.triangles[i][k]);
+                kept.vertices.push_back(mesh.vertices[former.back()]);
             }
             triangle[k] = v;
         }
@@ -163,12 +157,59 @@ void keep_largest_component(TriangleMesh& mesh)
             kept.faux_edges.push_back(mesh.faux_edges[i]);
     }
     mesh = std::move(kept);
+    return former;
 }
 
-int euler_characteristic(const TriangleMesh& closed_mesh)
+std::vector<int> keep_largest_component(TriangleMesh& mesh)
 {
-    // Closed: three edges for two triangles.
-    return int(closed_mesh.vertices.size()) - int(closed_mesh.triangles.size()) / 2;
+    const MeshComponents components = find_components(mesh);
+    std::vector<double> volume(std::size_t(components.count), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    {
+        const auto& t = mesh.triangles[i];
+        volume[components.of_triangle[i]] +=
+            mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
+    }
+    const int largest = int(std::max_element(volume.begin(), volume.end()) - volume.begin());
+    std::vector<char> keep;
+    for (const int component : components.of_triangle)
+        keep.push_back(component == largest);
+    return keep_triangles(mesh, keep);
+}
+
+Topology measure_topology(const TriangleMesh& mesh)
+{
+    std::vector<std::pair<int, int>> edges; // directed
+    edges.reserve(3 * mesh.triangles.size());
+    for (const auto& t : mesh.triangles)
+        for (int e = 0; e < 3; ++e)
+            edges.emplace_back(t[e], t[(e + 1) % 3]);
+    std::sort(edges.begin(), edges.end());
+    // At a manifold's boundary each vertex has one edge in and one out.
+    std::vector<int> next(mesh.vertices.size(), -1);
+    int boundary = 0;
+    for (const auto& [from, to] : edges)
+        if (!std::binary_search(edges.begin(), edges.end(), std::make_pair(to, from)))
+        {
+            next[from] = to;
+            ++boundary;
+        }
+    Topology result;
+    for (int v = 0; v < int(next.size()); ++v)
+        if (next[v] >= 0)
+        {
+            ++result.boundary_loops;
+            for (int w = v; w >= 0 && next[w] >= 0;)
+            {
+                const int following = next[w];
+                next[w] = -1;
+                w = following;
+            }
+        }
+    result.components = find_components(mesh).count;
+    const int edge_count = (int(edges.size()) + boundary) / 2;
+    result.euler_characteristic = int(mesh.vertices.size()) - edge_count + int(mesh.triangles.size());
+    return result;
 }
 
 } // namespace recon

@@ -14,9 +14,9 @@ namespace recon
 /// step 6), turned outward, polygons split into triangles. One vertex per regular cell with both labels, never welded by
 /// coordinates, so it is a closed oriented 2-manifold by construction.
 /// \pre balls on the hull are outer. `regular` is diagram.triangulation().
-/// \returns an empty mesh if all labels are the same.
+/// \returns an empty mesh if all labels are the same. `ball_of_vertex`, if given, gets a ball at each vertex.
 TriangleMesh extract_crust(const PowerDiagram& diagram, const Triangulation& regular, const std::vector<Ball>& balls,
-                           const std::vector<Side>& labels);
+                           const std::vector<Side>& labels, std::vector<int>* ball_of_vertex = nullptr);
 
 /// Connected components of a mesh by shared vertices: per triangle its component, numbered in order of first triangle.
 struct MeshComponents
@@ -26,10 +26,22 @@ struct MeshComponents
 };
 MeshComponents find_components(const TriangleMesh& mesh);
 
-/// Keeps the component with the largest enclosed volume, and only the vertices it uses.
-void keep_largest_component(TriangleMesh& mesh);
+/// Keeps the triangles for which keep[triangle] != 0, and only the vertices they use.
+/// \returns for each vertex that is left its former index.
+std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& keep);
 
-/// V - E + F of a closed triangle mesh without unused vertices.
-int euler_characteristic(const TriangleMesh& closed_mesh);
+/// Keeps the component with the largest enclosed volume. \returns as keep_triangles().
+std::vector<int> keep_largest_component(TriangleMesh& mesh);
+
+/// What a manifold mesh without unused vertices is, topologically.
+struct Topology
+{
+    int components = 0;
+    int boundary_loops = 0;
+    int euler_characteristic = 0; ///< V - E + F
+    /// Summed over the components, each loop closed by a disc.
+    int genus() const { return components - (euler_characteristic + boundary_loops) / 2; }
+};
+Topology measure_topology(const TriangleMesh& mesh);
 
 } // namespace recon

@@ -129,8 +129,10 @@ TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_EQ(report.unreferenced_vertices, 0);
         EXPECT_GT(report.volume, 0);
-        EXPECT_EQ(report.euler_characteristic, euler_characteristic(mesh));
-        EXPECT_EQ(report.components, find_components(mesh).count);
+        const Topology topology = measure_topology(mesh);
+        EXPECT_EQ(report.euler_characteristic, topology.euler_characteristic);
+        EXPECT_EQ(report.components, topology.components);
+        EXPECT_EQ(topology.boundary_loops, 0);
         EXPECT_EQ(mesh.faux_edges.size(), mesh.triangles.size());
         if (trial == 0)
         {
