@@ -323,5 +323,9 @@ NOISY_POWER_CRUST = FilterSpec(
      ("noise", "RichAbsPerc", 0.0, None),
      ("deep_intersection", "RichFloat", 0.0, None),
      ("keep_components", "RichEnum", "largest", ["largest", "all"]),
+     ("denoise", "RichEnum", "automatic", ["automatic", "on", "off"]),
+     ("smooth", "RichBool", True, None),
+     ("simplify", "RichBool", True, None),
+     ("trim_length", "RichAbsPerc", 0.0, None),
      ("selected_only", "RichBool", False, None),
      ("threads", "RichInt", 0, None)])
