@@ -83,10 +83,12 @@ std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans&
     for (std::size_t i = 0; i < radii.size(); ++i)
     {
         double given = options.initial_radius;
-        if (given == 0 && !hints.radii.empty())
+        const bool is_hint = given == 0;
+        if (is_hint && !hints.radii.empty())
             given = usable.input[i] < int(hints.radii.size()) ? hints.radii[std::size_t(usable.input[i])] : 0;
         if (given > 0 && std::isfinite(given))
-            radii[i] = given / scale;
+            // Radii made for drawing are no neighbourhoods: a hint counts within reason.
+            radii[i] = is_hint ? std::clamp(given / scale, radii[i] / 1.5, 4 * radii[i]) : given / scale;
         // Across the whole cloud nothing is a neighbourhood; a wild radius given must not make every point one.
         radii[i] = std::min(radii[i], 1.0);
     }
