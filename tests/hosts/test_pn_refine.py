@@ -1,0 +1,108 @@
+"""The filter 'Point Cloud Refinement: PN Triangles' in pymeshlab."""
+import numpy as np
+import pytest
+
+from hosts import BUILD
+
+pymeshlab = pytest.importorskip("pymeshlab")
+FILTER = "meshing_point_cloud_refinement_pn"
+
+
+def sphere_points(n, seed):
+    points = np.random.default_rng(seed).normal(size=(n, 3))
+    return points / np.linalg.norm(points, axis=1)[:, None]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def plugin():
+    try:
+        pymeshlab.load_plugin(str(BUILD / "plugins" / "pymeshlab-2025.7" / "libfilter_pn_refine.so"))
+    except pymeshlab.PyMeshLabException as problem:
+        if "already" not in str(problem):
+            raise
+
+
+def mesh_set(points, **attributes):
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(points, **attributes), "cloud")
+    return meshes
+
+
+def test_sphere_becomes_dense_in_a_new_layer():
+    points = sphere_points(1500, 1)
+    meshes = mesh_set(points, v_normals_matrix=points)
+    values = meshes.apply_filter(FILTER, steps=3)
+    assert meshes.mesh_number() == 2
+    refined = meshes.current_mesh()
+    vertices = refined.vertex_matrix()
+    assert np.array_equal(vertices[:1500], points)
+    assert len(vertices) == values["points_step_3"] == 1500 + values["new_points"]
+    assert len(vertices) > 4 * 1500
+    assert np.abs(np.linalg.norm(vertices, axis=1) - 1).max() < 1e-3
+    cosines = np.einsum("ij,ij->i", refined.vertex_normal_matrix(), vertices)
+    assert np.degrees(np.arccos(np.clip(cosines, -1, 1))).max() < 1
+    assert np.array_equal(meshes.mesh(0).vertex_matrix(), points)
+
+
+def test_colour_and_quality_lie_between_those_of_the_neighbours():
+    points = sphere_points(2000, 2)
+    colours = np.column_stack([(points + 1) / 2, np.ones(len(points))])
+    quality = points[:, 2].copy()
+    meshes = mesh_set(points, v_normals_matrix=points, v_color_matrix=colours, v_scalar_array=quality)
+    meshes.apply_filter(FILTER, steps=2)
+    refined = meshes.current_mesh()
+    vertices = refined.vertex_matrix()
+    assert np.abs(refined.vertex_scalar_array() - vertices[:, 2]).max() < 0.05
+    assert np.abs(refined.vertex_color_matrix()[:, :3] - (vertices + 1) / 2).max() < 0.05
+    assert np.array_equal(refined.vertex_scalar_array()[:2000], quality)
+    radii = refined.vertex_custom_scalar_attribute_array("radius")
+    assert np.all((radii >= 0) & (radii < 0.5))
+
+
+def test_without_normals_they_are_computed():
+    points = sphere_points(2000, 3)
+    meshes = mesh_set(points)
+    meshes.apply_filter(FILTER, steps=1)
+    refined = meshes.current_mesh()
+    cosines = np.einsum("ij,ij->i", refined.vertex_normal_matrix(), refined.vertex_matrix())
+    assert np.mean(cosines > 0.9) > 0.99
+
+
+def test_in_place_keeps_the_layer_and_its_faces():
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.create_sphere(subdiv=4)
+    before = meshes.current_mesh()
+    points, faces = before.vertex_matrix(), before.face_matrix()
+    meshes.apply_filter(FILTER, steps=1, into_new_layer=False)
+    assert meshes.mesh_number() == 1
+    after = meshes.current_mesh()
+    assert np.array_equal(after.vertex_matrix()[:len(points)], points)
+    assert after.vertex_number() > 1.5 * len(points)
+    assert np.array_equal(after.face_matrix(), faces)
+
+
+def test_selected_vertices_only():
+    points = sphere_points(2000, 4)
+    meshes = mesh_set(points, v_normals_matrix=points)
+    meshes.compute_selection_by_condition_per_vertex(condselect="z > 0")
+    meshes.apply_filter(FILTER, steps=2, selected_only=True)
+    added = meshes.current_mesh().vertex_matrix()[2000:]
+    assert len(added) > 2000
+    assert added[:, 2].min() > -0.3
+
+
+def test_a_wrong_option_is_named_and_changes_nothing():
+    points = sphere_points(500, 5)
+    meshes = mesh_set(points, v_normals_matrix=points)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="boundary angle"):
+        meshes.apply_filter(FILTER, boundary_angle=10.0)
+    assert meshes.mesh_number() == 1
+    assert np.array_equal(meshes.current_mesh().vertex_matrix(), points)
+
+
+def test_a_step_beyond_the_largest_number_is_not_done():
+    points = sphere_points(1000, 6)
+    meshes = mesh_set(points, v_normals_matrix=points)
+    values = meshes.apply_filter(FILTER, steps=8, max_points=5000)
+    assert 1000 < meshes.current_mesh().vertex_number() <= 5000
+    assert "points_step_8" not in values
