@@ -14,8 +14,11 @@ def main(folder, output, plugin):
     pymeshlab.load_plugin(str(Path(plugin).resolve()))
     output.mkdir(parents=True, exist_ok=True)
     failed = 0
+    # One MeshSet for the whole job: after a filter has failed, pymeshlab 2025.7 goes on writing to the log of the MeshSet in
+    # which it failed, and crashes if that is gone (PyMeshLab issue 399).
+    meshes = pymeshlab.MeshSet(verbose=False)
     for cloud in sorted(p for p in folder.iterdir() if p.suffix.lower() in (".ply", ".obj", ".xyz", ".pts")):
-        meshes = pymeshlab.MeshSet(verbose=False)  # a new one per file: nothing of the last file stays
+        meshes.clear()
         try:
             meshes.load_new_mesh(str(cloud))
             found = meshes.apply_filter(FILTER, threads=1)  # one thread: run several jobs side by side instead

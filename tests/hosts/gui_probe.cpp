@@ -86,6 +86,7 @@ private:
             report(main ? "no such filter" : "no window");
             return quit();
         }
+        main->showMaximized();
         QTimer::singleShot(3000, this, &GuiProbe::apply);
         action->trigger();
     }
@@ -110,6 +111,15 @@ private:
     {
         if (QDialog* box = qobject_cast<QDialog*>(QApplication::activeModalWidget()))
             report("message " + box->windowTitle());
+        for (QWidget* widget : QApplication::allWidgets()) // the filter's dialog hides the surface
+            if (auto* button = qobject_cast<QPushButton*>(widget))
+                if (button->isVisible() && QString(button->text()).remove('&') == "Close")
+                    button->click();
+        QTimer::singleShot(2000, this, &GuiProbe::finish);
+    }
+
+    void finish()
+    {
         save_picture("result.png");
         report("done");
         quit();

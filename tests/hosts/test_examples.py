@@ -1,0 +1,65 @@
+"""The examples of the README run as they stand."""
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+import pytest
+
+import hosts
+import meshlab_2020
+from hosts import BUILD, NOISY_POWER_CRUST, Cloud
+from mesh_checks import assert_closed_manifold, torus
+
+ROOT = Path(__file__).parents[2]
+TORUS = torus(4000, 0.01, seed=1)
+
+
+@pytest.mark.parametrize("text", [
+    (ROOT / "examples" / "noisy_power_crust.mlx").read_text(),
+    re.search(r"```xml\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)], ids=["file", "README"])
+def test_script_lists_every_parameter(text):
+    listed = [(p.get("name"), p.get("type")) for p in xml.fromstring(text).iter("Param")]
+    assert listed == [(name, kind) for name, kind, _, _ in NOISY_POWER_CRUST.parameters]
+
+
+def test_script_in_meshlabserver(make_host, tmp_path):
+    host = make_host("meshlabserver", NOISY_POWER_CRUST.plugin)
+    hosts.write_ply(tmp_path / "scan.ply", Cloud(TORUS))
+    code, log = meshlab_2020.run_server(host.programs, host.display, [
+        "-i", "scan.ply", "-o", "surface.ply", "-s", ROOT / "examples" / "noisy_power_crust.mlx"], tmp_path)
+    assert code == 0, log
+    assert assert_closed_manifold(hosts.read_ply(tmp_path / "surface.ply"))["euler_characteristic"] == 0
+
+
+def test_script_in_pymeshlab(make_host, tmp_path):
+    host = make_host("pymeshlab", NOISY_POWER_CRUST.plugin)
+    meshes = host.mesh_set(Cloud(TORUS))
+    meshes.load_filter_script(str(ROOT / "examples" / "noisy_power_crust.mlx"))
+    meshes.apply_filter_script()
+    mesh = meshes.current_mesh()
+    assert assert_closed_manifold(hosts.Surface(mesh.vertex_matrix(), mesh.face_matrix()))["euler_characteristic"] == 0
+
+
+def test_python_of_the_readme(tmp_path):
+    code = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
+    hosts.write_ply(tmp_path / "scan.ply", Cloud(TORUS))
+    (tmp_path / "build").symlink_to(BUILD)
+    shown = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert shown.returncode == 0, shown.stderr
+    assert shown.stdout.split()[1:] == ["1", "1"]  # components, genus
+    assert (tmp_path / "surface.ply").exists()
+
+
+def test_batch_goes_on_after_a_bad_file(tmp_path):
+    (tmp_path / "in").mkdir()
+    hosts.write_ply(tmp_path / "in" / "a_flat.ply", Cloud(TORUS * [1, 1, 0]))
+    hosts.write_ply(tmp_path / "in" / "b_torus.ply", Cloud(TORUS))
+    plugin = BUILD / "plugins" / "pymeshlab-2025.7" / NOISY_POWER_CRUST.plugin
+    shown = subprocess.run([sys.executable, ROOT / "examples" / "batch.py", tmp_path / "in", tmp_path / "out", plugin],
+                           capture_output=True, text=True)
+    lines = shown.stdout.splitlines()
+    assert shown.returncode == 1
+    assert "plane" in lines[0] and "genus 1" in lines[1], shown
+    assert [p.name for p in (tmp_path / "out").iterdir()] == ["b_torus.ply"]
