@@ -22,11 +22,10 @@ constexpr double narrowing = 0.65;                        // of the widths: quad
 constexpr double least_weight = 1e-6;                     // below it no anchor is near
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
-constexpr double motion_off = 1.5;   // distances from the cloud, of a point that was not among the samples
-constexpr double cell_radius = 0.55; // widths: points within it of a cell's mean belong to it
-constexpr double slack = 0.6;        // widths: how far a point may move before its anchors are gathered again
-constexpr double uneven = 1.25;      // root of the ratio of neighbouring widths
-constexpr double run_radius = 0.4;   // widths
+constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
+constexpr double slack = 0.6;          // widths: how far a point may move before its anchors are gathered again
+constexpr double uneven = 1.25;        // root of the ratio of neighbouring widths
+constexpr double run_radius = 0.4;     // widths
 constexpr int longest_run = 64;
 
 /// Anchors near a run of points, side by side for the vector units.
@@ -168,10 +167,9 @@ public:
         result.normals[i] = side;
         result.points[i] = start;
 
-        const double off = (start - data_.cells.means[cell]).norm();
         double farthest = motion_sigmas * scale.sigma + motion_widths * h;
-        if (off > cell_radius * h)
-            farthest = std::max(farthest, motion_off * off);
+        if (options_.foreign_points)
+            farthest = std::max(farthest, foreign_motion * (start - data_.cells.means[cell]).norm());
         if (data_.kinds[cell] == CellKind::outlier)
         {
             result.status[i] = ProjectionStatus::outlier;

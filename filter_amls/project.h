@@ -17,7 +17,9 @@ struct AmlsProjectionOptions
     int max_iterations = 6; ///< Newton steps per point [count], >= 1.
     double tolerance = 0.1; ///< A point has converged when a step is below this [local spacing], > 0.
     double cut_off = 2.2;   ///< Anchors farther than this do not count [widths], > 0.
-    int threads = 0;        ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
+    /// The points are not those of which the surface was made, so they may lie farther from it than noise explains.
+    bool foreign_points = false;
+    int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
 enum class ProjectionStatus : std::uint8_t

@@ -7,6 +7,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
 
 namespace plugin
 {
@@ -25,6 +28,10 @@ struct InputLayer
     std::vector<double> quality; ///< Empty: the layer has none.
     std::vector<double> radii;   ///< Custom attribute "radius", else the radius component. Empty: the layer has neither.
     int faces = 0;
+
+    /// Another layer by its name, in this layer's coordinates.
+    /// \throws InvalidInput if no layer, or more than one, has that name; the message lists the names.
+    std::function<InputLayer(const std::string& name)> find_layer;
 };
 
 /// The layer's name for naming new layers after it: MeshLab's labels are often file names, and their ending says nothing.
@@ -94,6 +101,7 @@ struct FilterResult
     std::vector<NewLayer> new_layers;
     ChangedVertices changed;
     AppendedVertices appended;
+    std::vector<int> removed; ///< Vertices of the current layer that are deleted, with their faces, after all changes.
     std::vector<std::pair<std::string, ResultValue>> values; ///< pymeshlab's dictionary; other hosts log them.
     std::vector<std::string> log;
     std::vector<std::string> warnings;
@@ -111,7 +119,8 @@ struct Effect
         changes_quality = 16,
         changes_selection = 32,
         changes_radii = 64,
-        appends_vertices = 128
+        appends_vertices = 128,
+        removes_vertices = 256
     };
 };
 

@@ -2,8 +2,11 @@
 
 #include <recon/errors.h>
 
+#include <Eigen/LU>
+
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace plugin
 {
@@ -72,6 +75,50 @@ InputLayer read_layer(MeshModel& model)
     else if (model.hasDataMask(MeshModel::MM_VERTRADIUS))
         for (const CVertexO* v : vertices)
             layer.radii.push_back(static_cast<double>(v->cR()));
+    return layer;
+}
+
+/// The layer of that name among the others, moved from its own coordinates to those of `current`.
+InputLayer read_other_layer(MeshDocument& document, const MeshModel& current, const std::string& name)
+{
+    MeshModel* found = nullptr;
+    std::string names;
+    int count = 0;
+    for (MeshModel* model : layers_of(document))
+    {
+        const std::string label = model->label().toStdString();
+        names += (names.empty() ? "'" : ", '") + label + "'";
+        if (label == name)
+        {
+            found = model;
+            ++count;
+        }
+    }
+    if (count != 1)
+        throw recon::InvalidInput((count == 0 ? "There is no layer named '" : "More than one layer is named '") + name +
+                                  "'. The layers are " + names + ".");
+    InputLayer layer = read_layer(*found);
+    const Matrix44m& from = found->cm.Tr;
+    const Matrix44m& to = current.cm.Tr;
+    Eigen::Matrix4d a, b;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+        {
+            a(i, j) = static_cast<double>(from.ElementAt(i, j));
+            b(i, j) = static_cast<double>(to.ElementAt(i, j));
+        }
+    if (a == b)
+        return layer;
+    const Eigen::Matrix4d move = b.inverse() * a;
+    const Eigen::Matrix3d linear = move.topLeftCorner<3, 3>();
+    const Eigen::Vector3d shift = move.topRightCorner<3, 1>();
+    const Eigen::Matrix3d of_normals = linear.inverse().transpose();
+    if (!of_normals.allFinite())
+        throw recon::InvalidInput("The transform of a layer cannot be inverted. Freeze or reset it first.");
+    for (recon::Point& p : layer.points)
+        p = linear * p + shift;
+    for (recon::Vector& n : layer.normals)
+        n = (of_normals * n).eval();
     return layer;
 }
 
@@ -243,6 +290,29 @@ void change_vertices(MeshModel& model, const ChangedVertices& changed)
         vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(mesh);
 }
 
+void remove_vertices(MeshModel& model, const std::vector<int>& removed)
+{
+    if (removed.empty())
+        return;
+    CMeshO& mesh = model.cm;
+    const std::vector<CVertexO*> all = live_vertices(mesh);
+    std::vector<char> doomed(mesh.vert.size(), 0);
+    for (int i : removed)
+        doomed[static_cast<std::size_t>(all[i] - &mesh.vert[0])] = 1;
+    for (CFaceO& face : mesh.face)
+        if (!face.IsD())
+            for (int corner = 0; corner < 3; ++corner)
+                if (doomed[static_cast<std::size_t>(face.V(corner) - &mesh.vert[0])])
+                {
+                    Allocator::DeleteFace(mesh, face);
+                    break;
+                }
+    for (std::size_t i = 0; i < doomed.size(); ++i)
+        if (doomed[i])
+            Allocator::DeleteVertex(mesh, mesh.vert[i]);
+    Allocator::CompactEveryVector(mesh);
+}
+
 void require(bool condition, const char* what)
 {
     if (!condition)
@@ -283,6 +353,9 @@ void check(const FilterResult& result, const InputLayer& input)
                 empty_or(changed.quality, n) && empty_or(changed.radii, n) && empty_or(changed.selected, n),
             "changed vertices, values per vertex");
     require_indices(changed.vertices, 0, inputs, "changed vertices");
+    require_indices(result.removed, 0, inputs, "removed vertices");
+    require(std::set<int>(result.removed.begin(), result.removed.end()).size() == result.removed.size(),
+            "removed vertices, repeated");
     const AppendedVertices& appended = result.appended;
     const std::size_t m = appended.points.size();
     require(empty_or(appended.normals, m) && empty_or(appended.source, m) && empty_or(appended.colours, m) &&
@@ -312,11 +385,12 @@ void write_result(MeshDocument& document, MeshModel& current, const FilterResult
             remove_layer(document, *model);
         throw;
     }
-    // Changed, then appended: appending moves the vertices in memory.
+    // Changed, then removed, then appended: each moves the vertices in memory or renumbers them.
     if (!result.changed.vertices.empty())
         change_vertices(current, result.changed);
+    remove_vertices(current, result.removed);
     append_vertices(current, result.appended, input);
-    if (!result.changed.points.empty() || !result.appended.points.empty())
+    if (!result.changed.points.empty() || !result.appended.points.empty() || !result.removed.empty())
         vcg::tri::UpdateBounding<CMeshO>::Box(current.cm);
 }
 
@@ -421,7 +495,8 @@ FilterResult run_on_document(const FilterSpec& spec, const RichParameterList& pa
     MeshModel* current = document.mm();
     if (!current)
         throw recon::InvalidInput("The document has no layer: load or create a point cloud first.");
-    const InputLayer input = read_layer(*current);
+    InputLayer input = read_layer(*current);
+    input.find_layer = [&document, current](const std::string& name) { return read_other_layer(document, *current, name); };
     FilterResult result = spec.run(input, RichValues(parameters), host_progress(callback));
     write_result(document, *current, result, input);
     return result;
@@ -437,6 +512,7 @@ int changed_elements(const FilterSpec& spec)
         {Effect::changes_quality, MeshModel::MM_VERTQUALITY},
         {Effect::changes_selection, MeshModel::MM_VERTFLAGSELECT},
         {Effect::changes_radii, MeshModel::MM_VERTRADIUS},
+        {Effect::removes_vertices, MeshModel::MM_VERTNUMBER | MeshModel::MM_FACENUMBER},
         {Effect::appends_vertices, MeshModel::MM_VERTNUMBER | MeshModel::MM_VERTCOORD},
     };
     int mask = MeshModel::MM_NONE;

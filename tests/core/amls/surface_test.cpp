@@ -249,7 +249,9 @@ TEST(AmlsProjection, BringsFarPointsBack)
     Points queries;
     for (const Point& p : shapes::sphere(500, 1, 33).points)
         queries.push_back(p * (queries.size() % 2 == 0 ? 1.15 : 0.85));
-    const AmlsProjection result = project_to_amls(queries, surface);
+    AmlsProjectionOptions options;
+    options.foreign_points = true;
+    const AmlsProjection result = project_to_amls(queries, surface, options);
     for (const Point& p : result.points)
         EXPECT_LT(shapes::distance_to_sphere(p, 1), 0.01);
 }
