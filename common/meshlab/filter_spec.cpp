@@ -37,7 +37,8 @@ std::vector<int> vertices_to_use(const InputLayer& layer, bool selected_only)
         if (!selected_only || layer.selected[i])
             used.push_back(i);
     if (used.empty())
-        throw recon::InvalidInput("No vertex of the current layer is selected: select vertices, or switch 'selected_only' off.");
+        throw recon::InvalidInput(
+            "No vertex of the current layer is selected: select vertices, or switch 'selected_only' off.");
     return used;
 }
 
@@ -85,7 +86,8 @@ std::string message_of_current_exception()
     }
     catch (const std::exception& e)
     {
-        return std::string("An internal error stopped the filter; nothing was changed. Please report it with the data: ") +
+        return std::string(
+                   "An internal error stopped the filter; nothing was changed. Please report it with the data: ") +
                e.what();
     }
     catch (...)

@@ -16,8 +16,8 @@ namespace plugin
 
 using Colour = std::array<std::uint8_t, 4>; ///< Red, green, blue, alpha.
 
-/// The current layer as a filter sees it: all its vertices, in the layer's own coordinates. The layer's transform is not
-/// applied; new layers get the same transform.
+/// The current layer as a filter sees it: all its vertices, in the layer's own coordinates. The layer's transform is
+/// not applied; new layers get the same transform.
 struct InputLayer
 {
     std::string name;
@@ -26,7 +26,7 @@ struct InputLayer
     std::vector<char> selected;
     std::vector<Colour> colours; ///< Empty: the layer has none.
     std::vector<double> quality; ///< Empty: the layer has none.
-    std::vector<double> radii;   ///< Custom attribute "radius", else the radius component. Empty: the layer has neither.
+    std::vector<double> radii; ///< Custom attribute "radius", else the radius component. Empty: the layer has neither.
     int faces = 0;
 
     /// Another layer by its name, in this layer's coordinates.
@@ -34,7 +34,8 @@ struct InputLayer
     std::function<InputLayer(const std::string& name)> find_layer;
 };
 
-/// The layer's name for naming new layers after it: MeshLab's labels are often file names, and their ending says nothing.
+/// The layer's name for naming new layers after it: MeshLab's labels are often file names, and their ending says
+/// nothing.
 std::string name_without_ending(const InputLayer& layer);
 
 /// Vertices that a filter works on: all, or the selected ones.
@@ -60,15 +61,16 @@ struct NewLayer
 {
     std::string name;
     recon::TriangleMesh mesh; ///< Without triangles: a point cloud.
-    std::vector<int> source;  ///< Per vertex of `mesh`: the input's vertex whose colour and quality it takes, -1 for none.
+    std::vector<int>
+        source; ///< Per vertex of `mesh`: the input's vertex whose colour and quality it takes, -1 for none.
     recon::Vectors normals;
     std::vector<Colour> colours; ///< Instead of the sources'.
     std::vector<double> quality; ///< Instead of the sources'.
     std::vector<double> radii;
 };
 
-/// Changes of the current layer's vertices, in place. What is empty stays as it is; the rest has one entry per vertex in
-/// `vertices`.
+/// Changes of the current layer's vertices, in place. What is empty stays as it is; the rest has one entry per vertex
+/// in `vertices`.
 struct ChangedVertices
 {
     std::vector<int> vertices;
@@ -94,8 +96,8 @@ struct AppendedVertices
 
 using ResultValue = std::variant<int, double, bool>;
 
-/// All that a filter does. It is written to the document after the filter has returned: whatever it throws, the document
-/// is as it was.
+/// All that a filter does. It is written to the document after the filter has returned: whatever it throws, the
+/// document is as it was.
 struct FilterResult
 {
     std::vector<NewLayer> new_layers;

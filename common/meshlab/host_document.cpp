@@ -465,7 +465,8 @@ RichParameterList rich_parameters(const FilterSpec& spec, const MeshDocument& do
             break;
         case ParameterKind::length:
             // pymeshlab maps per cent onto [min, max].
-            list.addParam(RichLength(name, static_cast<Scalarm>(std::get<double>(p.default_value)), 0, diagonal, label, tooltip));
+            list.addParam(
+                RichLength(name, static_cast<Scalarm>(std::get<double>(p.default_value)), 0, diagonal, label, tooltip));
             break;
         case ParameterKind::count:
             list.addParam(RichInt(name, std::get<int>(p.default_value), label, tooltip));
@@ -474,7 +475,8 @@ RichParameterList rich_parameters(const FilterSpec& spec, const MeshDocument& do
             list.addParam(RichBool(name, std::get<bool>(p.default_value), label, tooltip));
             break;
         case ParameterKind::text:
-            list.addParam(RichString(name, QString::fromStdString(std::get<std::string>(p.default_value)), label, tooltip));
+            list.addParam(
+                RichString(name, QString::fromStdString(std::get<std::string>(p.default_value)), label, tooltip));
             break;
         case ParameterKind::choice:
         {
@@ -496,7 +498,8 @@ FilterResult run_on_document(const FilterSpec& spec, const RichParameterList& pa
     if (!current)
         throw recon::InvalidInput("The document has no layer: load or create a point cloud first.");
     InputLayer input = read_layer(*current);
-    input.find_layer = [&document, current](const std::string& name) { return read_other_layer(document, *current, name); };
+    input.find_layer = [&document, current](const std::string& name)
+    { return read_other_layer(document, *current, name); };
     FilterResult result = spec.run(input, RichValues(parameters), host_progress(callback));
     write_result(document, *current, result, input);
     return result;

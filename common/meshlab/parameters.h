@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-/// What lies between the geometry core and MeshLab. These headers know no Qt and no MeshLab: a filter is compiled once and
-/// serves every host.
+/// What lies between the geometry core and MeshLab. These headers know no Qt and no MeshLab: a filter is compiled once
+/// and serves every host.
 namespace plugin
 {
 
@@ -76,25 +76,30 @@ public:
     template <class Member>
     ParameterTable& count(std::string name, Member member, std::string label, std::string tooltip)
     {
-        return add({name, std::move(label), std::move(tooltip), ParameterKind::count, 0, {}},
-                   [member](ParameterDeclaration& d, Options& o) { d.default_value = static_cast<int>(std::invoke(member, o)); },
-                   [member, name](const ParameterValues& v, Options& o) { std::invoke(member, o) = v.count(name); });
+        return add(
+            {name, std::move(label), std::move(tooltip), ParameterKind::count, 0, {}},
+            [member](ParameterDeclaration& d, Options& o)
+            { d.default_value = static_cast<int>(std::invoke(member, o)); },
+            [member, name](const ParameterValues& v, Options& o) { std::invoke(member, o) = v.count(name); });
     }
 
     template <class Member>
     ParameterTable& flag(std::string name, Member member, std::string label, std::string tooltip)
     {
-        return add({name, std::move(label), std::move(tooltip), ParameterKind::flag, false, {}},
-                   [member](ParameterDeclaration& d, Options& o) { d.default_value = static_cast<bool>(std::invoke(member, o)); },
-                   [member, name](const ParameterValues& v, Options& o) { std::invoke(member, o) = v.flag(name); });
+        return add(
+            {name, std::move(label), std::move(tooltip), ParameterKind::flag, false, {}},
+            [member](ParameterDeclaration& d, Options& o)
+            { d.default_value = static_cast<bool>(std::invoke(member, o)); },
+            [member, name](const ParameterValues& v, Options& o) { std::invoke(member, o) = v.flag(name); });
     }
 
     template <class Member>
     ParameterTable& text(std::string name, Member member, std::string label, std::string tooltip)
     {
-        return add({name, std::move(label), std::move(tooltip), ParameterKind::text, std::string(), {}},
-                   [member](ParameterDeclaration& d, Options& o) { d.default_value = std::string(std::invoke(member, o)); },
-                   [member, name](const ParameterValues& v, Options& o) { std::invoke(member, o) = v.text(name); });
+        return add(
+            {name, std::move(label), std::move(tooltip), ParameterKind::text, std::string(), {}},
+            [member](ParameterDeclaration& d, Options& o) { d.default_value = std::string(std::invoke(member, o)); },
+            [member, name](const ParameterValues& v, Options& o) { std::invoke(member, o) = v.text(name); });
     }
 
     /// `texts` names the enumerators 0, 1, 2... of the enum in order.
@@ -103,18 +108,19 @@ public:
                            std::string tooltip)
     {
         const int n = static_cast<int>(texts.size());
-        return add({name, std::move(label), std::move(tooltip), ParameterKind::choice, 0, std::move(texts)},
-                   [member](ParameterDeclaration& d, Options& o) { d.default_value = static_cast<int>(std::invoke(member, o)); },
-                   [member, name, n](const ParameterValues& v, Options& o)
-                   {
-                       const int i = v.choice(name);
-                       if (i < 0 || i >= n)
-                           throw recon::InvalidInput("The parameter '" + name + "' has no choice number " +
-                                                     std::to_string(i) + ": choose one of the " + std::to_string(n) +
-                                                     " that the filter lists.");
-                       auto& field = std::invoke(member, o);
-                       field = static_cast<std::decay_t<decltype(field)>>(i);
-                   });
+        return add(
+            {name, std::move(label), std::move(tooltip), ParameterKind::choice, 0, std::move(texts)},
+            [member](ParameterDeclaration& d, Options& o)
+            { d.default_value = static_cast<int>(std::invoke(member, o)); },
+            [member, name, n](const ParameterValues& v, Options& o)
+            {
+                const int i = v.choice(name);
+                if (i < 0 || i >= n)
+                    throw recon::InvalidInput("The parameter '" + name + "' has no choice number " + std::to_string(i) +
+                                              ": choose one of the " + std::to_string(n) + " that the filter lists.");
+                auto& field = std::invoke(member, o);
+                field = static_cast<std::decay_t<decltype(field)>>(i);
+            });
     }
 
     /// Options to parameter list.
@@ -155,16 +161,17 @@ private:
     }
 
     template <class Member>
-    ParameterTable& add_real(ParameterKind kind, std::string name, Member member, std::string label, std::string tooltip)
+    ParameterTable& add_real(ParameterKind kind, std::string name, Member member, std::string label,
+                             std::string tooltip)
     {
-        return add({name, std::move(label), std::move(tooltip), kind, 0.0, {}},
-                   [member](ParameterDeclaration& d, Options& o) { d.default_value = shown(std::invoke(member, o)); },
-                   [member, name, kind](const ParameterValues& v, Options& o)
-                   {
-                       const double value =
-                           kind == ParameterKind::length ? v.length(name) : typed_decimal(v.number(name));
-                       set(std::invoke(member, o), value);
-                   });
+        return add(
+            {name, std::move(label), std::move(tooltip), kind, 0.0, {}},
+            [member](ParameterDeclaration& d, Options& o) { d.default_value = shown(std::invoke(member, o)); },
+            [member, name, kind](const ParameterValues& v, Options& o)
+            {
+                const double value = kind == ParameterKind::length ? v.length(name) : typed_decimal(v.number(name));
+                set(std::invoke(member, o), value);
+            });
     }
 
     static double shown(double field) { return field; }

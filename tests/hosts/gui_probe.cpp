@@ -1,5 +1,6 @@
-// A plugin for tests that looks at MeshLab 2020's window from inside: it loads a cloud, finds the filter in the menus, runs
-// it with its default parameters through the dialog a user would see, and saves pictures. MeshLab loads it as any plugin.
+// A plugin for tests that looks at MeshLab 2020's window from inside: it loads a cloud, finds the filter in the menus,
+// runs it with its default parameters through the dialog a user would see, and saves pictures. MeshLab loads it as any
+// plugin.
 //   PROBE_FILTER  name of the filter          PROBE_FOLDER  where report.txt and pictures go
 // The cloud is given to MeshLab on its command line.
 #include <host.h>
@@ -86,7 +87,7 @@ private:
             report(main ? "no such filter" : "no window");
             return quit();
         }
-        main->showMaximized();
+        main->setGeometry(0, 0, 1280, 1024);
         QTimer::singleShot(3000, this, &GuiProbe::apply);
         action->trigger();
     }

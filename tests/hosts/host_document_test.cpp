@@ -261,7 +261,8 @@ TEST(HostDocument, NothingIsWrittenOfAnInconsistentResult)
     {
         MeshDocument document;
         MeshModel& model = add_layer(document);
-        EXPECT_THROW(run(filter([&](const plugin::InputLayer& layer, const recon::Progress&) { return runner(layer); }), document),
+        EXPECT_THROW(run(filter([&](const plugin::InputLayer& layer, const recon::Progress&) { return runner(layer); }),
+                         document),
                      std::logic_error);
         EXPECT_EQ(model.cm.vert[0].P(), Point3m(0, 0, 1));
         EXPECT_EQ(model.cm.vn, 4);
@@ -272,8 +273,9 @@ TEST(HostDocument, NothingIsWrittenOfAnInconsistentResult)
 TEST(HostDocument, ADocumentWithoutLayersIsRefused)
 {
     MeshDocument document;
-    EXPECT_THROW(run(filter([](const plugin::InputLayer&, const recon::Progress&) { return plugin::FilterResult(); }), document),
-                 recon::InvalidInput);
+    EXPECT_THROW(
+        run(filter([](const plugin::InputLayer&, const recon::Progress&) { return plugin::FilterResult(); }), document),
+        recon::InvalidInput);
 }
 
 TEST(HostDocument, LengthsGoUpToTheDiagonalOfTheFinitePoints)

@@ -1,9 +1,9 @@
 // Loads a plugin with MeshLab's own plugin manager, as MeshLab's window does, and runs one of its filters on a cloud.
 //   plugin_manager_run <plugin.so> <filter> <cloud | -> <surface> [cancel] [name=value | name=value%]...
 // The cloud and the surface are raw files as tests/hosts/hosts.py writes and reads them. Prints "key value" lines.
-#include <common/plugins/plugin_manager.h>
 #include <common/ml_document/mesh_document.h>
 #include <common/plugins/interfaces/filter_plugin.h>
+#include <common/plugins/plugin_manager.h>
 
 #include <QApplication>
 
@@ -53,7 +53,8 @@ void add_layer(MeshDocument& document, const std::vector<double>& raw)
     vcg::tri::UpdateBounding<CMeshO>::Box(model.cm);
 }
 
-// Header: vertices, triangles, colours?, quality?, transform. Vertex: x y z r g b a quality. Triangle: corners, faux bits.
+// Header: vertices, triangles, colours?, quality?, transform. Vertex: x y z r g b a quality. Triangle: corners, faux
+// bits.
 void write_layer(const MeshModel& model, const char* path)
 {
     std::vector<double> raw = {double(model.cm.vert.size()), double(model.cm.face.size()),

@@ -67,8 +67,7 @@ bool PointSurfacesAdapter::applyFilter(QAction* action, MeshDocument& document, 
     // An exception that leaves this function ends the process.
     try
     {
-        const plugin::FilterResult result =
-            plugin::run_on_document(spec(action), parameters, document, callback);
+        const plugin::FilterResult result = plugin::run_on_document(spec(action), parameters, document, callback);
         for (const std::string& line : result.log)
             Log(GLLogStream::FILTER, line);
         for (const auto& value : result.values)

@@ -4,8 +4,8 @@
 
 #include <map>
 
-/// A host whose user has left every parameter at its default, but for those in `changed`. As hosts do, it passes numbers
-/// through 32 bits.
+/// A host whose user has left every parameter at its default, but for those in `changed`. As hosts do, it passes
+/// numbers through 32 bits.
 class FakeValues : public plugin::ParameterValues
 {
 public:

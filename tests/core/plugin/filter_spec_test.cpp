@@ -85,8 +85,8 @@ TEST(ResultValues, AreReadableInALog)
 TEST(NameWithoutEnding, DropsTheEndingOfFileNames)
 {
     plugin::InputLayer layer;
-    for (const auto& [name, expected] : {std::pair("bunny.ply", "bunny"), std::pair("bunny", "bunny"), std::pair("a.b.c", "a.b"),
-                                         std::pair(".ply", ".ply"), std::pair("", "")})
+    for (const auto& [name, expected] : {std::pair("bunny.ply", "bunny"), std::pair("bunny", "bunny"),
+                                         std::pair("a.b.c", "a.b"), std::pair(".ply", ".ply"), std::pair("", "")})
     {
         layer.name = name;
         EXPECT_EQ(plugin::name_without_ending(layer), expected);

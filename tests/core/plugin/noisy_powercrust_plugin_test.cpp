@@ -41,7 +41,8 @@ TEST(NoisyPowerCrustPlugin, NamesAndParametersAreFrozen)
         EXPECT_FALSE(parameter.tooltip.empty());
         names.insert(parameter.name);
     }
-    for (const char* name : {"ball_threshold", "noise", "deep_intersection", "keep_components", "selected_only", "threads"})
+    for (const char* name :
+         {"ball_threshold", "noise", "deep_intersection", "keep_components", "selected_only", "threads"})
         EXPECT_EQ(names.count(name), 1u) << name;
 }
 
@@ -66,7 +67,8 @@ TEST(NoisyPowerCrustPlugin, MakesOneLayerThatTakesColourFromTheNearestUsedVertex
     {
         int nearest = 1;
         for (std::size_t j = 1; j < points.size(); ++j)
-            if ((points[j] - made.mesh.vertices[i]).squaredNorm() < (points[nearest] - made.mesh.vertices[i]).squaredNorm())
+            if ((points[j] - made.mesh.vertices[i]).squaredNorm() <
+                (points[nearest] - made.mesh.vertices[i]).squaredNorm())
                 nearest = static_cast<int>(j);
         EXPECT_EQ(made.source[i], nearest);
     }

@@ -43,7 +43,8 @@ plugin::ParameterTable<Options> table()
         .choice("colour", &Options::colour, {"red", "green", "blue"}, "Colour", "")
         .flag("fast", &Options::fast, "Fast", "")
         .text("layer", &Options::layer, "Layer", "")
-        .number("tolerance", [](Options& o) -> double& { return o.inner.tolerance; }, "Tolerance", "");
+        .number(
+            "tolerance", [](Options& o) -> double& { return o.inner.tolerance; }, "Tolerance", "");
 }
 
 } // namespace
