@@ -36,8 +36,8 @@ std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const Neig
                                  continue;
                              const Vector d = samples.points[std::size_t(j)] - samples.points[i];
                              const double length = d.norm();
-                             if (length == 0 || std::abs(d.dot(samples.normals[i])) > 0.5 * length ||
-                                 std::abs(d.dot(samples.normals[std::size_t(j)])) > 0.5 * length)
+                             if (length == 0 || std::abs(d.dot(samples.normals[i])) > 0.3 * length ||
+                                 std::abs(d.dot(samples.normals[std::size_t(j)])) > 0.3 * length)
                                  continue;
                              const double cosine = samples.normals[i].dot(samples.normals[std::size_t(j)]);
                              (cosine > 0 ? agree : contradict) += std::abs(cosine);

@@ -55,6 +55,7 @@ struct Workspace
     std::vector<Neighbour> neighbours;
     Point centre;
     double scale = 1;
+    float usual_radius = 0; ///< Median of the leaf's points.
     bool has_creases = false; ///< Some local point lies on one.
 };
 
@@ -107,6 +108,11 @@ void gather(const RefineStep& step, int self, Workspace& w)
     take(self);
     for (int k = step.graph.first[std::size_t(self)]; k < step.graph.first[std::size_t(self) + 1]; ++k)
         take(step.graph.neighbour[std::size_t(k)]);
+    std::array<float, leaf_capacity> radii;
+    const int own = leaf.size();
+    std::copy_n(w.old_points.radius.begin(), own, radii.begin());
+    std::nth_element(radii.begin(), radii.begin() + own / 2, radii.begin() + own);
+    w.usual_radius = radii[std::size_t(own / 2)];
     w.next.assign(std::size_t(w.old_points.count), 0.f);
     w.radius_before.assign(w.new_points.radius.begin(), w.new_points.radius.begin() + w.new_points.count);
 }
@@ -286,9 +292,9 @@ PN_INLINE float distance2(float ax, float ay, float az, float bx, float by, floa
 }
 
 /// Whether a new point may not lie at (x, y, z): too near an old or a new point, or inside the discard space.
-PN_INLINE bool is_discarded(float x, float y, float z, const Ring& ring, const Arrivals& arrivals)
+PN_INLINE bool is_discarded(float x, float y, float z, float least, const Ring& ring, const Arrivals& arrivals)
 {
-    constexpr float least2 = LocalRules::least_distance * LocalRules::least_distance;
+    const float least2 = least * least;
     int bad = 0;
     for (int k = 0; k < ring.count; ++k)
         bad |= int(distance2(x, y, z, ring.x[k], ring.y[k], ring.z[k]) < least2);
@@ -298,7 +304,7 @@ PN_INLINE bool is_discarded(float x, float y, float z, const Ring& ring, const A
         const float share = !arrivals.is_compatible[k] ? 0.f
                             : arrivals.is_neighbour[k] ? LocalRules::discard_near
                                                        : LocalRules::discard;
-        const float reach = std::max(share * arrivals.radius[k], LocalRules::least_distance);
+        const float reach = std::max(share * arrivals.radius[k], least);
         bad |= int(distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]) < reach * reach);
     }
     return bad != 0;
@@ -321,6 +327,8 @@ struct PointRefiner
         std::vector<Neighbour>& list = w.neighbours;
         Candidates& candidates = w.candidates;
         Arrivals& arrivals = w.arrivals;
+        const float least_distance =
+            std::max(LocalRules::least_distance, LocalRules::least_usual * w.usual_radius * c.inverse_radius);
         bool is_open = false;
         while (list.size() < 60)
         {
@@ -355,7 +363,7 @@ struct PointRefiner
             {
                 candidates.is_used[best] = true;
                 const float x = candidates.x[best], y = candidates.y[best], z = candidates.z[best];
-                if (!is_discarded(x, y, z, w.ring, arrivals))
+                if (!is_discarded(x, y, z, least_distance, w.ring, arrivals))
                 {
                     insert(p, c, best, curved);
                     continue;

@@ -38,6 +38,7 @@ struct LocalRules
     static constexpr float discard = 0.5f;              ///< lambda_2: around other new points, in their radii (eq. 11).
     static constexpr float discard_near = 0.25f;        ///< Around new points of the neighbourhood, in their radii.
     static constexpr float least_distance = 0.1f;       ///< To any point, also one with another normal.
+    static constexpr float least_usual = 0.06f;         ///< The same in the leaf's median radius: random clusters have small radii.
     static constexpr float complete_angle = 1.57079633f; ///< theta_c.
     static constexpr float least_turn = 0.35f;          ///< [radians] What halves a gap worse does not close it: along a rim it only raises radii.
     static constexpr float shrink = 0.9f;               ///< No radius written while refining a point exceeds this: radii run away else.

@@ -240,10 +240,10 @@ PN_INLINE void measure_badness(const Ring& ring, float* badness)
         for (int j = 0; j < n; ++j)
         {
             const float g = in_plane ? xi * ring.u[j] + yi * ring.v[j] : xi * ring.x[j] + yi * ring.y[j] + zi * ring.z[j];
-            // Less a hair, so that a point is not behind itself or its twin on a crease.
-            const float along = g * inverse[j] - length[j] - 1e-5f;
+            const float along = g * inverse[j] - length[j];
             const float apart = squared + length[j] * length[j] - 2 * g;
-            const float sine = along * std::fabs(along) / (std::fabs(apart) + 1e-11f);
+            // A point is not behind itself or its twin on a crease, whatever rounding says.
+            const float sine = apart > 1e-6f ? along * std::fabs(along) / apart : -1.f;
             const float side = ui * ring.v[j] - vi * ring.u[j];
             const float s = side >= 0 ? sine : -1.f, p = side >= 0 ? -1.f : sine;
             successor = s > successor ? s : successor;

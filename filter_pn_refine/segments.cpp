@@ -174,6 +174,9 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
             continue;
         const bool is_crease = segment.sides == 2;
         const Vector chord = b[0]->position - a[0]->position;
+        // Short already against what lies around it: its turn comes when the rest has become as dense.
+        if (chord.norm() < 0.5 * std::min(a[0]->radius, b[0]->radius))
+            continue;
         const std::size_t other = is_crease ? 1 : 0;
         const Vector ta = end_tangent(chord, a[0]->normal, a[other]->normal, is_crease);
         const Vector tb = -end_tangent(-chord, b[0]->normal, b[other]->normal, is_crease);

@@ -1,0 +1,221 @@
+#include "filter_pn_refine/refine.h"
+
+#include "tests/shapes.h"
+
+#include <recon/neighbours.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+namespace
+{
+
+using namespace recon;
+
+PnRefineOptions one_thread(int steps)
+{
+    PnRefineOptions options;
+    options.steps = steps;
+    options.threads = 1;
+    return options;
+}
+
+/// Cube of side 2 with m x m samples a face; those on edges and corners stand twice and three times.
+OrientedSamples cube(int m)
+{
+    OrientedSamples samples;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> u(-0.25 / m, 0.25 / m);
+    for (int face = 0; face < 6; ++face)
+    {
+        Vector normal = Vector::Zero();
+        normal[face / 2] = face % 2 ? 1 : -1;
+        for (int i = 0; i < m; ++i)
+            for (int j = 0; j < m; ++j)
+            {
+                const bool inside = i > 0 && j > 0 && i < m - 1 && j < m - 1;
+                const double a = -1 + 2.0 * i / (m - 1), b = -1 + 2.0 * j / (m - 1);
+                Point p;
+                p[face / 2] = normal[face / 2];
+                p[(face / 2 + 1) % 3] = inside ? a + u(random) : a;
+                p[(face / 2 + 2) % 3] = inside ? b + u(random) : b;
+                samples.points.push_back(p);
+                samples.normals.push_back(normal);
+            }
+    }
+    return samples;
+}
+
+TEST(Creases, CubeStaysSharp)
+{
+    const int m = 8;
+    const OrientedSamples samples = cube(m);
+    const PnRefinement refined = refine_points(samples, one_thread(5));
+    EXPECT_EQ(refined.crease_segments, 12 * (m - 1));
+    EXPECT_EQ(refined.boundary_segments, 0);
+    EXPECT_EQ(refined.left_out, 0);
+    EXPECT_GT(refined.points.size(), 10000u);
+    for (std::size_t i = 0; i < refined.points.size(); ++i)
+    {
+        EXPECT_LT(shapes::distance_to_box(refined.points[i], Vector(2, 2, 2)), 1e-12);
+        EXPECT_NEAR(refined.normals[i].cwiseAbs().maxCoeff(), 1, 1e-12);
+        EXPECT_NEAR(refined.points[i].dot(refined.normals[i]), 1, 1e-12); // the normal of the point's own face
+    }
+}
+
+TEST(Creases, NewCreasePointsCarryBothNormalsAndHalveTheEdges)
+{
+    const int m = 8;
+    const OrientedSamples samples = cube(m);
+    const PnRefinement refined = refine_points(samples, one_thread(3)); // thirds twice
+    std::vector<double> on_edge;
+    std::map<double, int> normals_there;
+    for (std::size_t i = 0; i < refined.points.size(); ++i)
+    {
+        const Point& p = refined.points[i];
+        if (std::abs(p.x() - 1) < 1e-9 && std::abs(p.y() - 1) < 1e-9 && std::abs(std::abs(p.z()) - 1) > 1e-9)
+        {
+            const double key = std::round(p.z() * 1e9);
+            on_edge.push_back(key);
+            normals_there[key] += refined.normals[i].x() > 0.999 ? 1 : 100;
+        }
+    }
+    EXPECT_EQ(normals_there.size(), std::size_t(7 * 8)); // 7 segments in 9 parts, ends not counted
+    for (const auto& [z, mark] : normals_there)
+        EXPECT_EQ(mark, 101) << z; // one along x, one along y
+}
+
+TEST(Creases, WithoutPreservingThemTheyAreNotRefined)
+{
+    PnRefineOptions options = one_thread(2);
+    options.preserve_creases = false;
+    EXPECT_EQ(refine_points(cube(6), options).crease_segments, 0);
+}
+
+OrientedSamples hemisphere(bool clean)
+{
+    const OrientedSamples sphere = shapes::sphere(3500, 1, 2);
+    OrientedSamples half;
+    for (const Point& p : sphere.points)
+        if (p.z() >= 0)
+        {
+            half.points.push_back(p);
+            half.normals.push_back(p.normalized());
+        }
+    for (int i = 0; clean && i < 105; ++i)
+    {
+        const double a = 2 * M_PI * i / 105;
+        half.points.emplace_back(std::cos(a), std::sin(a), 0);
+        half.normals.emplace_back(std::cos(a), std::sin(a), 0);
+    }
+    return half;
+}
+
+TEST(Boundaries, CleanRimIsRefinedAlongItsCircle)
+{
+    const OrientedSamples half = hemisphere(true);
+    const PnRefinement refined = refine_points(half, one_thread(3));
+    EXPECT_GE(refined.boundary_segments, 100);
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < refined.points.size(); ++i)
+    {
+        const Point& p = refined.points[i];
+        EXPECT_GT(p.z(), -1e-9);
+        EXPECT_LT(std::abs(p.norm() - 1), 1e-4);
+        EXPECT_GT(refined.normals[i].dot(p.normalized()), 0.999);
+        if (p.z() < 1e-6)
+            angles.push_back(std::atan2(p.y(), p.x()));
+    }
+    std::sort(angles.begin(), angles.end());
+    EXPECT_GT(angles.size(), 700u);
+    double widest = 0;
+    for (std::size_t i = 1; i < angles.size(); ++i)
+        widest = std::max(widest, angles[i] - angles[i - 1]);
+    EXPECT_LT(widest, 0.2); // random points near the rim take a segment's place here and there
+}
+
+TEST(Boundaries, RaggedRimKeepsNormalsAndSpillsNowhere)
+{
+    const OrientedSamples half = hemisphere(false);
+    const PnRefinement refined = refine_points(half, one_thread(4));
+    EXPECT_GT(refined.points.size(), 20000u);
+    for (std::size_t i = 0; i < refined.points.size(); ++i)
+    {
+        EXPECT_GT(refined.points[i].z(), 0);
+        EXPECT_LT(std::abs(refined.points[i].norm() - 1), 5e-4);
+        EXPECT_GT(refined.normals[i].dot(refined.points[i].normalized()), 0.999);
+    }
+}
+
+TEST(Holes, AreFilledSmoothlyOnDemandOnly)
+{
+    const OrientedSamples sphere = shapes::sphere(3500, 1, 2);
+    OrientedSamples open;
+    for (const Point& p : sphere.points)
+        if (p.z() < 0.9)
+        {
+            open.points.push_back(p);
+            open.normals.push_back(p.normalized());
+        }
+    const auto points_in_hole = [](const Points& points)
+    { return std::count_if(points.begin(), points.end(), [](const Point& p) { return p.z() > 0.93; }); };
+    PnRefineOptions options = one_thread(3);
+    EXPECT_EQ(points_in_hole(refine_points(open, options).points), 0);
+    options.hole_radius = 0.44;
+    const PnRefinement filled = refine_points(open, options);
+    EXPECT_GT(filled.hole_points, 50);
+    for (std::size_t i = 0; i < filled.points.size(); ++i)
+    {
+        EXPECT_LT(std::abs(filled.points[i].norm() - 1), 0.02);
+        EXPECT_GT(filled.normals[i].dot(filled.points[i].normalized()), 0.97);
+    }
+    Points all = open.points;
+    all.insert(all.end(), filled.points.begin(), filled.points.end());
+    const NeighbourSearch search(all);
+    double gap = 0;
+    for (const Point& p : shapes::sphere(20000, 1, 77).points)
+        gap = std::max(gap, (all[std::size_t(search.nearest(p))] - p).norm());
+    EXPECT_LT(gap, 3.5 * std::sqrt(12.566 / double(all.size())));
+}
+
+TEST(Normals, FlippedOnesAreFoundAndTurned)
+{
+    OrientedSamples samples = shapes::torus(5000, 1, 0.4, 3);
+    std::vector<int> flipped;
+    for (int i = 17; i < 5000; i += 50)
+    {
+        flipped.push_back(i);
+        samples.normals[std::size_t(i)] *= -1;
+    }
+    const PnRefinement refined = refine_points(samples, one_thread(2));
+    EXPECT_EQ(refined.turned_normals, flipped);
+    ASSERT_EQ(refined.warnings.size(), 1u);
+    EXPECT_NE(refined.warnings[0].find("100 normals"), std::string::npos);
+    for (const Point& p : refined.points)
+        EXPECT_LT(shapes::distance_to_torus(p, 1, 0.4), 0.02);
+}
+
+TEST(Normals, ThinPlateKeepsBothSides)
+{
+    // Two sheets nearer to each other than their samples: opposite normals are right there.
+    OrientedSamples plate;
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> u(-1, 1);
+    for (int i = 0; i < 3000; ++i)
+    {
+        const double z = i % 2 ? 0.015 : -0.015;
+        plate.points.emplace_back(u(random), u(random), z);
+        plate.normals.emplace_back(0, 0, i % 2 ? 1 : -1);
+    }
+    const PnRefinement refined = refine_points(plate, one_thread(2));
+    EXPECT_LT(refined.turned_normals.size(), 20u);
+    const auto off = std::count_if(refined.points.begin(), refined.points.end(),
+                                   [](const Point& p) { return std::abs(std::abs(p.z()) - 0.015) > 1e-9; });
+    EXPECT_LT(off, std::ptrdiff_t(refined.points.size() / 50));
+}
+
+} // namespace

@@ -1,0 +1,304 @@
+#include "filter_pn_refine/refine.h"
+
+#include "tests/shapes.h"
+
+#include <recon/errors.h>
+#include <recon/neighbours.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+
+namespace
+{
+
+using namespace recon;
+
+PnRefineOptions one_thread(int steps)
+{
+    PnRefineOptions options;
+    options.steps = steps;
+    options.threads = 1;
+    return options;
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b)
+{
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+double rms(const Points& points, const std::function<double(const Point&)>& distance)
+{
+    double sum = 0;
+    for (const Point& p : points)
+        sum += distance(p) * distance(p);
+    return std::sqrt(sum / double(points.size()));
+}
+
+Points all_points(const OrientedSamples& input, const PnRefinement& refined)
+{
+    Points all = input.points;
+    all.insert(all.end(), refined.points.begin(), refined.points.end());
+    return all;
+}
+
+/// Largest distance from a test point on the surface to the cloud.
+double largest_gap(const Points& surface, const Points& cloud)
+{
+    const NeighbourSearch search(cloud);
+    double largest = 0;
+    for (const Point& p : surface)
+        largest = std::max(largest, (cloud[std::size_t(search.nearest(p))] - p).norm());
+    return largest;
+}
+
+double closest_pair(const Points& appended, const Points& all)
+{
+    const NeighbourSearch search(all);
+    double least = 1e300;
+    for (const Point& p : appended)
+    {
+        int indices[2];
+        double squared[2];
+        search.nearest(p, 2, indices, squared);
+        least = std::min(least, std::sqrt(squared[1]));
+    }
+    return least;
+}
+
+TEST(RefinePoints, SphereBecomesDenseExactAndEven)
+{
+    const OrientedSamples samples = shapes::sphere(3500, 1, 1);
+    const Points surface = shapes::sphere(40000, 1, 99).points;
+    const double diagonal = 2 * std::sqrt(3.0);
+    for (int steps = 1; steps <= 6; ++steps)
+    {
+        const PnRefinement refined = refine_points(samples, one_thread(steps));
+        const Points all = all_points(samples, refined);
+        const double spacing = std::sqrt(12.566 / double(all.size()));
+        // At the last steps the test points themselves are too few to find the largest gap: a lower bound then.
+        EXPECT_LT(largest_gap(surface, all), 2.2 * spacing) << steps;
+        EXPECT_GT(closest_pair(refined.points, all), 0.01 * spacing) << steps;
+        EXPECT_EQ(refined.steps.size(), std::size_t(steps));
+        EXPECT_EQ(refined.steps.back().points, int(all.size()));
+        EXPECT_GT(double(all.size()), 3500 * std::pow(1.75, steps));
+    }
+    const PnRefinement refined = refine_points(samples, one_thread(6));
+    EXPECT_LT(rms(refined.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / diagonal, 1e-6);
+    double sum = 0;
+    for (std::size_t i = 0; i < refined.points.size(); ++i)
+    {
+        EXPECT_NEAR(refined.normals[i].norm(), 1, 1e-12);
+        const double angle = std::acos(std::min(1.0, refined.normals[i].dot(refined.points[i].normalized())));
+        sum += angle * angle;
+    }
+    EXPECT_LT(std::sqrt(sum / double(refined.points.size())) * 180 / M_PI, 0.01);
+}
+
+TEST(RefinePoints, ErrorFallsWithTheNumberOfSamples)
+{
+    const auto error = [](int n)
+    {
+        const PnRefinement refined = refine_points(shapes::torus(n, 1, 0.4, 2), one_thread(2));
+        return rms(refined.points, [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); });
+    };
+    const double coarse = error(1000), fine = error(8000);
+    EXPECT_LT(coarse, 0.005);
+    EXPECT_LT(fine, coarse / 8);
+}
+
+TEST(RefinePoints, EveryNeighbourhoodReproducesThePlane)
+{
+    OrientedSamples plane = shapes::sphere(1500, 1, 8);
+    for (std::size_t i = 0; i < plane.points.size(); ++i)
+    {
+        plane.points[i].z() = 0;
+        plane.normals[i] = Vector::UnitZ();
+    }
+    for (const PnNeighbourhood n : {PnNeighbourhood::automatic, PnNeighbourhood::fuzzy, PnNeighbourhood::accurate})
+        for (const bool fast : {false, true})
+        {
+            PnRefineOptions options = one_thread(3);
+            options.neighbourhood = n;
+            options.fast = fast;
+            const PnRefinement refined = refine_points(plane, options);
+            EXPECT_GT(refined.points.size(), 5000u);
+            for (std::size_t i = 0; i < refined.points.size(); ++i)
+            {
+                EXPECT_NEAR(refined.points[i].z(), 0, 1e-15);
+                EXPECT_NEAR(refined.normals[i].z(), 1, 1e-12);
+                EXPECT_LT(refined.points[i].norm(), 1.0001); // nothing spills over the rim
+            }
+        }
+}
+
+TEST(RefinePoints, AlignedGridHasNoHoles)
+{
+    OrientedSamples grid;
+    Points surface;
+    for (int x = 0; x < 30; ++x)
+        for (int y = 0; y < 30; ++y)
+        {
+            grid.points.emplace_back(x, y, 0);
+            grid.normals.push_back(Vector::UnitZ());
+        }
+    for (double x = 0; x <= 29; x += 0.11)
+        for (double y = 0; y <= 29; y += 0.11)
+            surface.emplace_back(x, y, 0);
+    const PnRefinement refined = refine_points(grid, one_thread(3));
+    const Points all = all_points(grid, refined);
+    EXPECT_LT(largest_gap(surface, all), 1.8 * 29 / std::sqrt(double(all.size())));
+}
+
+TEST(RefinePoints, SameBitsForEveryNumberOfThreads)
+{
+    const OrientedSamples samples = shapes::torus(4000, 1, 0.4, 3);
+    PnRefineOptions options = one_thread(4);
+    const PnRefinement one = refine_points(samples, options);
+    EXPECT_GT(one.points.size(), 50000u);
+    for (int threads : {1, 2, 3})
+    {
+        options.threads = threads;
+        const PnRefinement other = refine_points(samples, options);
+        EXPECT_TRUE(same_bits(one.points, other.points)) << threads;
+        EXPECT_TRUE(same_bits(one.normals, other.normals)) << threads;
+        EXPECT_TRUE(same_bits(one.radii, other.radii)) << threads;
+        EXPECT_TRUE(same_bits(one.parents, other.parents)) << threads;
+        EXPECT_TRUE(same_bits(one.input_radii, other.input_radii)) << threads;
+    }
+}
+
+TEST(RefinePoints, FarFromTheOriginAndAtExtremeScalesTheResultIsTheSame)
+{
+    const OrientedSamples samples = shapes::sphere(800, 1, 5);
+    const PnRefinement plain = refine_points(samples, one_thread(2));
+    for (const double scale : {0x1p-90, 0x1p90})
+    {
+        OrientedSamples scaled = samples;
+        for (Point& p : scaled.points)
+            p *= scale;
+        const PnRefinement other = refine_points(scaled, one_thread(2));
+        ASSERT_EQ(other.points.size(), plain.points.size());
+        double worst = 0;
+        for (std::size_t i = 0; i < plain.points.size(); ++i)
+            worst = std::max(worst, (other.points[i] / scale - plain.points[i]).norm());
+        EXPECT_LT(worst, 1e-12);
+    }
+    OrientedSamples moved = samples;
+    const Vector offset(0x1p19, 0x1p22, 128);
+    for (Point& p : moved.points)
+        p += offset;
+    const PnRefinement other = refine_points(moved, one_thread(2));
+    EXPECT_NEAR(double(other.points.size()), double(plain.points.size()), 0.02 * double(plain.points.size()));
+    EXPECT_LT(rms(other.points, [&](const Point& p) { return shapes::distance_to_sphere(p - offset, 1); }), 1e-3);
+}
+
+TEST(RefinePoints, ParentsAreEarlierAndNear)
+{
+    const OrientedSamples samples = shapes::sphere(500, 1, 6);
+    const PnRefinement refined = refine_points(samples, one_thread(3));
+    const Points all = all_points(samples, refined);
+    ASSERT_EQ(refined.parents.size(), refined.points.size());
+    ASSERT_EQ(refined.radii.size(), refined.points.size());
+    ASSERT_EQ(refined.input_radii.size(), samples.points.size());
+    for (std::size_t i = 0; i < refined.points.size(); ++i)
+        for (int parent : refined.parents[i])
+        {
+            EXPECT_GE(parent, 0);
+            EXPECT_LT(parent, int(500 + i));
+            EXPECT_LT((all[std::size_t(parent)] - refined.points[i]).norm(), 0.6);
+        }
+    // A linear function of the position is interpolated to the curvature's order.
+    std::vector<double> heights;
+    for (const Point& p : samples.points)
+        heights.push_back(p.z());
+    const std::vector<double> made = interpolate(refined, heights);
+    for (std::size_t i = 0; i < made.size(); ++i)
+        EXPECT_NEAR(made[i], refined.points[i].z(), 0.08);
+}
+
+TEST(RefinePoints, StopsLocallyAtTheTargetRadius)
+{
+    const OrientedSamples samples = shapes::sphere(1000, 1, 7);
+    PnRefineOptions options = one_thread(12);
+    options.target_radius = 0.08;
+    const PnRefinement refined = refine_points(samples, options);
+    EXPECT_LT(refined.points.size(), 60000u);
+    EXPECT_GT(refined.points.size(), 3000u);
+    const auto small = std::count_if(refined.radii.begin(), refined.radii.end(), [](double r) { return r <= 0.08; });
+    EXPECT_GT(double(small), 0.98 * double(refined.radii.size()));
+}
+
+TEST(RefinePoints, OnlyMarkedPointsAreRefined)
+{
+    const OrientedSamples samples = shapes::sphere(1000, 1, 9);
+    PnRefineHints hints;
+    for (const Point& p : samples.points)
+        hints.is_refined.push_back(p.z() > 0.2);
+    const PnRefinement refined = refine_points(samples, one_thread(2), hints);
+    EXPECT_GT(refined.points.size(), 400u);
+    for (const Point& p : refined.points)
+        EXPECT_GT(p.z(), -0.1);
+}
+
+TEST(RefinePoints, NoStepBeyondTheLargestNumberOfPoints)
+{
+    const OrientedSamples samples = shapes::sphere(1000, 1, 10);
+    PnRefineOptions options = one_thread(6);
+    options.max_points = 6000;
+    const PnRefinement refined = refine_points(samples, options);
+    EXPECT_LE(refined.points.size() + 1000, 6000u);
+    EXPECT_GT(refined.points.size(), 0u);
+    EXPECT_LT(refined.steps.size(), 6u);
+    ASSERT_EQ(refined.warnings.size(), 1u);
+    EXPECT_NE(refined.warnings[0].find("6000"), std::string::npos);
+}
+
+TEST(RefinePoints, GivenRadiiAreUsedWithinReason)
+{
+    const OrientedSamples samples = shapes::sphere(1000, 1, 11);
+    const PnRefinement found = refine_points(samples, one_thread(2));
+    PnRefineHints hints;
+    hints.radii.assign(1000, 1e-6); // made for drawing
+    const PnRefinement tiny = refine_points(samples, one_thread(2), hints);
+    EXPECT_GT(tiny.points.size(), found.points.size() / 2);
+    hints.radii.assign(1000, 0.0); // none
+    EXPECT_EQ(refine_points(samples, one_thread(2), hints).points.size(), found.points.size());
+    PnRefineOptions options = one_thread(2);
+    options.initial_radius = 0.25;
+    const PnRefinement chosen = refine_points(samples, options);
+    EXPECT_LT(rms(chosen.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 1e-3);
+    EXPECT_GT(chosen.points.size(), 500u);
+}
+
+TEST(RefinePoints, ProgressRisesToTheEndAndCancels)
+{
+    const OrientedSamples samples = shapes::sphere(2000, 1, 12);
+    double last = 0;
+    int calls = 0;
+    const PnRefinement refined = refine_points(samples, one_thread(3), {},
+                                               Progress(
+                                                   [&](double fraction, const std::string&)
+                                                   {
+                                                       EXPECT_GE(fraction, last);
+                                                       last = fraction;
+                                                       ++calls;
+                                                       return true;
+                                                   }));
+    EXPECT_GT(calls, 20);
+    EXPECT_GT(last, 0.9);
+    for (const int stop : {1, calls / 3, calls - 2})
+    {
+        int count = 0;
+        EXPECT_THROW(refine_points(samples, one_thread(3), {},
+                                   Progress([&](double, const std::string&) { return ++count < stop; })),
+                     Cancelled)
+            << stop;
+    }
+}
+
+} // namespace
