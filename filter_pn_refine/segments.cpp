@@ -175,7 +175,7 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
         const bool is_crease = segment.sides == 2;
         const Vector chord = b[0]->position - a[0]->position;
         // Short already against what lies around it: its turn comes when the rest has become as dense.
-        if (chord.norm() < 0.5 * std::min(a[0]->radius, b[0]->radius))
+        if (!is_crease && chord.norm() < 0.25 * std::min(a[0]->radius, b[0]->radius))
             continue;
         const std::size_t other = is_crease ? 1 : 0;
         const Vector ta = end_tangent(chord, a[0]->normal, a[other]->normal, is_crease);
