@@ -21,7 +21,7 @@ PN_VECTOR_CLONES int make_fan(const LocalPoints& points, const Centre& c, const 
     return sort_fan(ring, badness, fan);
 }
 
-PN_VECTOR_CLONES void classify(const LocalPoints& points, const Centre& c, int* classes)
+PN_VECTOR_CLONES void classify(const LocalPoints& points, const Centre& c, std::uint8_t* classes)
 {
     classify_points(points, c, classes);
 }
@@ -43,7 +43,8 @@ struct CreaseRule
 Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k, const CreaseRule& rule, double& reach,
              LocalPoints& local, Ring& ring)
 {
-    std::vector<int> nearest(static_cast<std::size_t>(k)), hits, classes;
+    std::vector<int> nearest(static_cast<std::size_t>(k)), hits;
+    std::vector<std::uint8_t> classes;
     std::vector<double> squared(static_cast<std::size_t>(k));
     const Point& p = samples.points[std::size_t(i)];
     const int found = search.nearest(p, k, nearest.data(), squared.data());
@@ -68,7 +69,7 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
     const Vector& n = samples.normals[std::size_t(i)];
     Centre c{0, 0, 0, {float(n.x()), float(n.y()), float(n.z())}, {}, {}, 1 / 1.00001f};
     set_tangents(c);
-    classes.resize(std::size_t(local.count));
+    classes.resize(std::size_t(local.count) + 8);
     classify(local, c, classes.data());
     for (int m = 0; m < local.count; ++m)
         if (classes[std::size_t(m)] == 1)

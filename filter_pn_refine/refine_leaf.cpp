@@ -4,6 +4,7 @@
 #include "ring.h"
 
 #include <algorithm>
+#include <array>
 
 namespace recon::pn
 {
@@ -12,15 +13,15 @@ namespace
 
 constexpr float full_turn = 6.28318531f, half_turn = 3.14159265f;
 
-/// New points near the centre, in its frame.
+/// New points near the centre, in its frame. Padded like rings.
 struct Arrivals
 {
     int count = 0;
     alignas(64) float x[ring_capacity], y[ring_capacity], z[ring_capacity], length[ring_capacity], angle[ring_capacity],
         radius[ring_capacity];
+    alignas(64) float reach[ring_capacity]; ///< Nothing may be put nearer than this.
     int source[ring_capacity];
     bool is_neighbour[ring_capacity]; ///< Belongs to N' already, or cannot.
-    bool is_compatible[ring_capacity];
 };
 
 /// Centres of the fan's triangles.
@@ -35,24 +36,27 @@ struct Candidates
 /// One of N', sorted by angle.
 struct Neighbour
 {
-    float angle, x, y, z, length;
-    Eigen::Vector3f normal;
-    int source;      ///< Among the local points.
-    bool is_new;
-    float gap;       ///< Angle to the next.
-    bool is_dead;    ///< Nothing can fill the gap.
+    float angle;
+    float gap;   ///< Angle to the next.
+    int entry;   ///< In the ring or among the arrivals.
+    bool is_new; ///< Among the arrivals.
+    bool is_dead; ///< Nothing can fill the gap.
 };
+
+constexpr int neighbour_capacity = 2 * ring_capacity;
 
 struct Workspace
 {
     LocalPoints old_points, new_points;
     std::vector<float> next;          ///< Per old local point: radius to raise it to.
     std::vector<float> radius_before; ///< Per new local point.
-    std::vector<int> classes, hits, rejected;
+    std::vector<std::uint8_t> classes;
+    std::vector<int> hits, rejected;
     Ring ring;
     Arrivals arrivals;
     Candidates candidates;
-    std::vector<Neighbour> neighbours;
+    Neighbour neighbours[neighbour_capacity];
+    int neighbour_count = 0;
     Point centre;
     double scale = 1;
     float usual_radius = 0; ///< Median of the leaf's points.
@@ -121,63 +125,62 @@ void gather(const RefineStep& step, int self, Workspace& w)
 PN_INLINE void find_near(const LocalPoints& points, const Centre& c, Workspace& w)
 {
     const auto n = std::size_t(points.count);
-    if (w.classes.size() < n)
+    if (w.classes.size() < n + 8)
+        w.classes.resize(2 * n + 8);
+    if (w.hits.capacity() < n + 1 || w.rejected.capacity() < n + 1)
     {
-        w.classes.resize(2 * n);
-        w.hits.reserve(2 * n);
-        w.rejected.reserve(2 * n);
+        w.hits.reserve(2 * n + 1);
+        w.rejected.reserve(2 * n + 1);
     }
-    classify_points(points, c, w.classes.data());
-    w.hits.resize(n);
+    w.hits.resize(n + 1);
+    w.rejected.resize(n + 1);
     int found = 0, rejected = 0;
-    int* hits = w.hits.data();
-    const int* classes = w.classes.data();
-    for (std::size_t j = 0; j < n; ++j)
-    {
-        hits[found] = int(j);
-        found += classes[j] == 1;
-        rejected += classes[j] == 2;
-    }
+    classify_points(points, c, w.classes.data());
+    list_classes(w.classes.data(), int(n), w.hits.data(), found, w.rejected.data(), rejected);
     w.hits.resize(std::size_t(found));
-    w.rejected.clear();
-    if (rejected > 0)
-        for (std::size_t j = 0; j < n; ++j)
-            if (classes[j] == 2)
-                w.rejected.push_back(int(j));
+    w.rejected.resize(std::size_t(rejected));
     if (found > ring_capacity - 24)
         thin_hits(points, c, w.hits);
 }
 
-PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, const Workspace& w, Arrivals& a)
+PN_INLINE void pad(Arrivals& a, int k)
 {
-    a.count = 0;
-    const auto add = [&](int j, bool is_compatible)
+    a.x[k] = a.y[k] = a.z[k] = far_away;
+    a.reach[k] = 0;
+}
+
+PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, float least_distance, const Workspace& w, Arrivals& a)
+{
+    const int hits = int(w.hits.size()), all = std::min(hits + int(w.rejected.size()), ring_capacity - 24);
+    a.count = all;
+    for (int k = 0; k < all; ++k)
     {
-        const int k = a.count++;
+        const int j = k < hits ? w.hits[std::size_t(k)] : w.rejected[std::size_t(k - hits)];
         const auto i = std::size_t(j);
         a.source[k] = j;
-        a.is_compatible[k] = is_compatible;
-        a.is_neighbour[k] = !is_compatible;
+        a.is_neighbour[k] = k >= hits;
         a.x[k] = points.x[i];
         a.y[k] = points.y[i];
         a.z[k] = points.z[i];
-        a.radius[k] = points.radius[i] * c.inverse_radius;
-    };
-    for (int j : w.hits)
-        add(j, true);
-    for (std::size_t k = 0; k < w.rejected.size() && a.count < ring_capacity; ++k)
-        add(w.rejected[k], false);
-    for (int k = 0; k < a.count; ++k)
+        a.radius[k] = points.radius[i];
+        a.reach[k] = k < hits ? LocalRules::discard : 0;
+    }
+    for (int k = 0, n = padded(all); k < n; ++k)
     {
         const float x = (a.x[k] - c.x) * c.inverse_radius, y = (a.y[k] - c.y) * c.inverse_radius,
                     z = (a.z[k] - c.z) * c.inverse_radius;
         const float u = x * c.e1[0] + y * c.e1[1] + z * c.e1[2], v = x * c.e2[0] + y * c.e2[1] + z * c.e2[2];
+        const float radius = a.radius[k] * c.inverse_radius, reach = a.reach[k] * radius;
+        a.radius[k] = radius;
+        a.reach[k] = reach > least_distance ? reach : least_distance;
         a.x[k] = x;
         a.y[k] = y;
         a.z[k] = z;
         a.length[k] = std::sqrt(x * x + y * y + z * z);
         a.angle[k] = fast_angle(u, v);
     }
+    for (int k = all, n = padded(all); k < n; ++k)
+        pad(a, k);
 }
 
 /// Third of |edge| along the edge turned into the plane of n: a PN tangent in single precision, for use on arrays.
@@ -238,37 +241,6 @@ PN_INLINE void list_candidates(const Centre& c, const Ring& ring, const int* fan
     }
 }
 
-float measure_gap(const Neighbour& from, const Neighbour& to, bool is_last, bool curved)
-{
-    const float plane = turn_to_next(from.angle, to.angle, is_last);
-    // The curve bends an angle by far less than what lies outside these limits.
-    if (!curved || plane < 0.7f || plane >= half_turn)
-        return plane;
-    const PointNormal<float> a{{from.x, from.y, from.z}, from.normal}, b{{to.x, to.y, to.z}, to.normal};
-    return curved_angle<float>(Eigen::Vector3f::Zero(), a, b);
-}
-
-/// Inserts into N' by angle and measures the gaps on both sides. \returns its place.
-void join(std::vector<Neighbour>& list, const Neighbour& added, bool curved)
-{
-    std::size_t place = list.size();
-    while (place > 0 && list[place - 1].angle > added.angle)
-        --place;
-    list.insert(list.begin() + std::ptrdiff_t(place), added);
-    const std::size_t n = list.size(), before = place == 0 ? n - 1 : place - 1, after = place + 1 == n ? 0 : place + 1;
-    list[before].gap = measure_gap(list[before], list[place], place == 0, curved);
-    list[before].is_dead = false;
-    list[place].gap = measure_gap(list[place], list[after], after == 0, curved);
-    list[place].is_dead = false;
-}
-
-Neighbour from_arrival(Arrivals& a, int k, const LocalPoints& points)
-{
-    a.is_neighbour[k] = true;
-    const auto j = std::size_t(a.source[k]);
-    return {a.angle[k], a.x[k], a.y[k], a.z[k], a.length[k], {points.nx[j], points.ny[j], points.nz[j]}, int(j), true, 0, false};
-}
-
 /// The point that belongs to the triangle, in double. \returns false if it lies out of reach.
 bool make_child(const WorkPoint& p, const WorkPoint& a, const WorkPoint& b, Child& child)
 {
@@ -295,18 +267,11 @@ PN_INLINE float distance2(float ax, float ay, float az, float bx, float by, floa
 PN_INLINE bool is_discarded(float x, float y, float z, float least, const Ring& ring, const Arrivals& arrivals)
 {
     const float least2 = least * least;
-    int bad = 0;
-    for (int k = 0; k < ring.count; ++k)
+    int bad = int(x * x + y * y + z * z < least2);
+    for (int k = 0, n = padded(ring.count); k < n; ++k)
         bad |= int(distance2(x, y, z, ring.x[k], ring.y[k], ring.z[k]) < least2);
-    bad |= int(x * x + y * y + z * z < least2);
-    for (int k = 0; k < arrivals.count; ++k)
-    {
-        const float share = !arrivals.is_compatible[k] ? 0.f
-                            : arrivals.is_neighbour[k] ? LocalRules::discard_near
-                                                       : LocalRules::discard;
-        const float reach = std::max(share * arrivals.radius[k], least);
-        bad |= int(distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]) < reach * reach);
-    }
+    for (int k = 0, n = padded(arrivals.count); k < n; ++k)
+        bad |= int(distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]) < arrivals.reach[k] * arrivals.reach[k]);
     return bad != 0;
 }
 
@@ -315,36 +280,96 @@ struct PointRefiner
     const RefineStep& step;
     Workspace& w;
     int leaf;
+    float least_distance = 0; ///< To any point [radii].
 
     const WorkPoint& old_point(int local) const
     {
         return step.level.points[std::size_t(w.old_points.index[std::size_t(local)])];
     }
 
+    struct Place
+    {
+        float x, y, z, length;
+        Eigen::Vector3f normal;
+    };
+    Place place(const Neighbour& j) const
+    {
+        const auto e = std::size_t(j.entry);
+        if (!j.is_new)
+            return {w.ring.x[e], w.ring.y[e], w.ring.z[e], w.ring.length[e], {w.ring.nx[e], w.ring.ny[e], w.ring.nz[e]}};
+        const auto i = std::size_t(w.arrivals.source[e]);
+        return {w.arrivals.x[e],
+                w.arrivals.y[e],
+                w.arrivals.z[e],
+                w.arrivals.length[e],
+                {w.new_points.nx[i], w.new_points.ny[i], w.new_points.nz[i]}};
+    }
+
+    float measure_gap(int from, bool curved) const
+    {
+        const int to = from + 1 == w.neighbour_count ? 0 : from + 1;
+        const float plane = turn_to_next(w.neighbours[from].angle, w.neighbours[to].angle, to == 0);
+        // The curve bends an angle by far less than what lies outside these limits.
+        if (!curved || plane < 0.9f || plane > 2.6f)
+            return plane;
+        const Place a = place(w.neighbours[from]), b = place(w.neighbours[to]);
+        const PointNormal<float> pa{{a.x, a.y, a.z}, a.normal}, pb{{b.x, b.y, b.z}, b.normal};
+        const Eigen::Vector3f c1 = pa.position + pn_tangent(pa, pb.position), c2 = pb.position + pn_tangent(pb, pa.position);
+        const auto angle = [](const Eigen::Vector3f& p, const Eigen::Vector3f& q)
+        { return fast_angle(p.dot(q), p.cross(q).norm()); };
+        return angle(pa.position, c1) + angle(c1, c2) + angle(c2, pb.position); // eq. 5
+    }
+
+    /// Puts an entry where its angle belongs, without measuring gaps. \returns its place.
+    int put(float angle, int entry, bool is_new)
+    {
+        int at = w.neighbour_count++;
+        for (; at > 0 && w.neighbours[at - 1].angle > angle; --at)
+            w.neighbours[at] = w.neighbours[at - 1];
+        w.neighbours[at] = {angle, 0, entry, is_new, false};
+        if (is_new)
+        {
+            w.arrivals.is_neighbour[entry] = true;
+            const float reach = LocalRules::discard_near * w.arrivals.radius[entry];
+            w.arrivals.reach[entry] = std::max(reach, least_distance);
+        }
+        return at;
+    }
+
+    /// Lets an arrival join N' and measures the gaps on both sides.
+    void join(int arrival, bool curved)
+    {
+        const int at = put(w.arrivals.angle[arrival], arrival, true), before = at == 0 ? w.neighbour_count - 1 : at - 1;
+        for (const int k : {before, at})
+        {
+            w.neighbours[k].gap = measure_gap(k, curved);
+            w.neighbours[k].is_dead = false;
+        }
+    }
+
     /// Fills the gaps of N' wider than theta_c. \returns true if one stays open.
     PN_INLINE bool fill_gaps(const WorkPoint& p, const Centre& c, bool curved)
     {
-        std::vector<Neighbour>& list = w.neighbours;
+        Neighbour* list = w.neighbours;
         Candidates& candidates = w.candidates;
         Arrivals& arrivals = w.arrivals;
-        const float least_distance =
-            std::max(LocalRules::least_distance, LocalRules::least_usual * w.usual_radius * c.inverse_radius);
         bool is_open = false;
-        while (list.size() < 60)
+        while (w.neighbour_count < neighbour_capacity)
         {
-            std::size_t widest = list.size();
+            const int n = w.neighbour_count;
+            int widest = n;
             float gap = LocalRules::complete_angle, start = 0, width = full_turn;
-            for (std::size_t k = 0; k < list.size(); ++k)
-                if (!list[k].is_dead && list[k].gap > gap)
-                {
-                    gap = list[k].gap;
-                    widest = k;
-                }
-            if (widest == list.size() && !list.empty())
-                return is_open;
-            if (!list.empty())
+            for (int k = 0; k < n; ++k)
             {
-                const std::size_t next = widest + 1 == list.size() ? 0 : widest + 1;
+                const bool wider = !list[k].is_dead && list[k].gap > gap;
+                gap = wider ? list[k].gap : gap;
+                widest = wider ? k : widest;
+            }
+            if (widest == n && n > 0)
+                return is_open;
+            if (n > 0)
+            {
+                const int next = widest + 1 == n ? 0 : widest + 1;
                 start = list[widest].angle;
                 width = turn_to_next(start, list[next].angle, next == 0);
             }
@@ -374,17 +399,15 @@ struct PointRefiner
                 for (int k = 0; k < arrivals.count; ++k)
                 {
                     const float t = turn(start, arrivals.angle[k]);
-                    if (arrivals.is_neighbour[k] || std::min(t, width - t) < LocalRules::least_turn)
-                        continue;
                     const float d2 = distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]);
-                    if (d2 < nearest2)
+                    if (!arrivals.is_neighbour[k] && std::min(t, width - t) >= LocalRules::least_turn && d2 < nearest2)
                     {
                         nearest = k;
                         nearest2 = d2;
                     }
                 }
                 if (nearest >= 0)
-                    join(list, from_arrival(arrivals, nearest, w.new_points), curved);
+                    join(nearest, curved);
                 continue;
             }
             for (int k = 0; k < arrivals.count; ++k)
@@ -398,11 +421,11 @@ struct PointRefiner
             }
             if (best >= 0)
             {
-                join(list, from_arrival(arrivals, best, w.new_points), curved);
+                join(best, curved);
                 continue;
             }
             is_open = true;
-            if (list.empty())
+            if (n == 0)
                 return true;
             list[widest].is_dead = true;
         }
@@ -423,6 +446,9 @@ struct PointRefiner
         append_local(w.new_points, child.point, child.largest_radius, w, leaf, int(children.size()));
         children.push_back(child);
         const int local = w.new_points.count - 1, k = a.count++;
+        if (k % lane_count == 0) // a new vector is begun
+            for (int m = k; m < k + lane_count; ++m)
+                pad(a, m);
         const auto j = std::size_t(local);
         a.source[k] = local;
         a.x[k] = (w.new_points.x[j] - c.x) * c.inverse_radius;
@@ -433,8 +459,7 @@ struct PointRefiner
         a.angle[k] = fast_angle(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]);
         a.radius[k] = std::min(a.length[k], LocalRules::shrink);
         w.new_points.radius[j] = a.radius[k] / c.inverse_radius;
-        a.is_compatible[k] = true;
-        join(w.neighbours, from_arrival(a, k, w.new_points), curved);
+        join(k, curved);
     }
 
     PN_INLINE bool refine(int own)
@@ -445,6 +470,7 @@ struct PointRefiner
         Centre c{old_points.x[o], old_points.y[o], old_points.z[o],
                  {old_points.nx[o], old_points.ny[o], old_points.nz[o]}, {}, {}, 1 / old_points.radius[o]};
         set_tangents(c);
+        least_distance = std::max(LocalRules::least_distance, LocalRules::least_usual * w.usual_radius * c.inverse_radius);
 
         find_near(old_points, c, w);
         if (w.has_creases)
@@ -472,20 +498,18 @@ struct PointRefiner
 
         find_near(w.new_points, c, w);
         if (w.has_creases)
-            reject_other_side(p, c);
-        fill_arrivals(w.new_points, c, w, w.arrivals);
+            reject_other_side(c);
+        fill_arrivals(w.new_points, c, least_distance, w, w.arrivals);
 
-        std::vector<Neighbour>& list = w.neighbours;
-        list.clear();
+        w.neighbour_count = 0;
         for (int k = 0; k < ring.count; ++k)
             if (ring.length[k] <= LocalRules::near)
-                join(list,
-                     {ring.angle[k], ring.x[k], ring.y[k], ring.z[k], ring.length[k],
-                      {ring.nx[k], ring.ny[k], ring.nz[k]}, ring.source[k], false, 0, false},
-                     accurate);
+                put(ring.angle[k], k, false);
         for (int k = 0; k < w.arrivals.count; ++k)
             if (!w.arrivals.is_neighbour[k] && w.arrivals.length[k] <= LocalRules::near)
-                join(list, from_arrival(w.arrivals, k, w.new_points), accurate);
+                put(w.arrivals.angle[k], k, true);
+        for (int k = 0; k < w.neighbour_count; ++k)
+            w.neighbours[k].gap = measure_gap(k, accurate);
 
         const bool is_open = fill_gaps(p, c, accurate);
         // A rim stays open: keeping the radius large there would only collect neighbours.
@@ -498,7 +522,7 @@ struct PointRefiner
     }
 
     /// New points on the other side of a crease still keep others at a distance.
-    void reject_other_side(const WorkPoint&, const Centre& c)
+    void reject_other_side(const Centre& c)
     {
         const std::vector<int> before = w.hits;
         keep_side_of_crease(w.new_points, c, step.least_crease_agreement, w.hits);
@@ -509,30 +533,40 @@ struct PointRefiner
                 w.rejected.push_back(before[k]);
     }
 
-    void write_radii(int own, const Centre& c, bool is_open)
+    PN_INLINE void write_radii(int own, const Centre& c, bool is_open)
     {
         constexpr float hair = 1 + 1e-5f; // comparisons are closed
-        const std::vector<Neighbour>& list = w.neighbours;
-        const std::size_t n = list.size();
-        float radius = is_open ? LocalRules::open_radius : 0;
-        for (std::size_t k = 0; k < n; ++k)
+        const int n = w.neighbour_count;
+        float radius2 = is_open ? LocalRules::open_radius * LocalRules::open_radius : 0;
+        for (int k = 0; k < n; ++k)
         {
-            const Neighbour& j = list[k];
-            radius = std::max(radius, j.length);
-            const Neighbour &before = list[k == 0 ? n - 1 : k - 1], &after = list[k + 1 == n ? 0 : k + 1];
-            float reach = j.length;
+            const Neighbour& j = w.neighbours[k];
+            const Neighbour &before = w.neighbours[k == 0 ? n - 1 : k - 1], &after = w.neighbours[k + 1 == n ? 0 : k + 1];
+            const auto at = [&](const Neighbour& m)
+            {
+                const float *x = m.is_new ? w.arrivals.x : w.ring.x, *y = m.is_new ? w.arrivals.y : w.ring.y,
+                            *z = m.is_new ? w.arrivals.z : w.ring.z;
+                return std::array<float, 3>{x[m.entry], y[m.entry], z[m.entry]};
+            };
+            const auto [x, y, z] = at(j);
+            float reach2 = x * x + y * y + z * z;
+            radius2 = std::max(radius2, reach2);
             if (!before.is_dead)
-                reach = std::max(reach, std::sqrt(distance2(j.x, j.y, j.z, before.x, before.y, before.z)));
+                reach2 = std::max(reach2, distance2_of(x, y, z, at(before)));
             if (!j.is_dead)
-                reach = std::max(reach, std::sqrt(distance2(j.x, j.y, j.z, after.x, after.y, after.z)));
-            const auto at = std::size_t(j.source);
-            float& old = j.is_new ? w.new_points.radius[at] : w.next[at];
+                reach2 = std::max(reach2, distance2_of(x, y, z, at(after)));
+            const auto source = std::size_t(j.is_new ? w.arrivals.source[j.entry] : w.ring.source[j.entry]);
+            float& old = (j.is_new ? w.new_points.radius : w.next)[source];
             // Nor may a point with a large radius, at the rim of a hole, raise those of all others around it.
-            const float limit = (j.is_new ? w.new_points : w.old_points).largest_radius[at];
-            old = std::max(old, std::min(std::min(reach * hair, LocalRules::shrink) / c.inverse_radius, limit));
+            const float limit = (j.is_new ? w.new_points : w.old_points).largest_radius[source];
+            old = std::max(old, std::min(std::min(std::sqrt(reach2) * hair, LocalRules::shrink) / c.inverse_radius, limit));
         }
         float& own_next = w.next[std::size_t(own)];
-        own_next = std::max(own_next, std::min(radius * hair, LocalRules::shrink) / c.inverse_radius);
+        own_next = std::max(own_next, std::min(std::sqrt(radius2) * hair, LocalRules::shrink) / c.inverse_radius);
+    }
+    static float distance2_of(float x, float y, float z, const std::array<float, 3>& q)
+    {
+        return distance2(x, y, z, q[0], q[1], q[2]);
     }
 };
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <vector>
 
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__)
@@ -9,6 +11,7 @@
 #define PN_VECTOR_CLONES
 #endif
 #define PN_INLINE inline __attribute__((always_inline))
+#pragma GCC diagnostic ignored "-Wpsabi" // Lanes never cross a call: everything is inlined
 
 /// The neighbourhoods of section 4, in single precision and in the frame of one point: it lies at the origin and its radius
 /// is 1. Which points are neighbours does not need more digits; what is inserted is computed in double.
@@ -46,13 +49,25 @@ struct Centre
 
 constexpr int ring_capacity = 128;
 
+/// Loops over rings run to whole vectors; what pads them lies far away and disturbs nothing.
+constexpr int lane_count = 16;
+using Lanes = float __attribute__((vector_size(64)));
+PN_INLINE int padded(int n) { return (n + lane_count - 1) & ~(lane_count - 1); }
+PN_INLINE Lanes load(const float* values)
+{
+    Lanes x;
+    std::memcpy(&x, values, sizeof x);
+    return x;
+}
+constexpr float far_away = 1000; ///< [radii]
+
 /// Points within the radius of the centre that its normal admits, in the centre's frame.
 struct Ring
 {
     int count = 0;
     alignas(64) float x[ring_capacity], y[ring_capacity], z[ring_capacity];
     alignas(64) float nx[ring_capacity], ny[ring_capacity], nz[ring_capacity];
-    alignas(64) float length[ring_capacity], inverse_length[ring_capacity];
+    alignas(64) float length[ring_capacity];
     alignas(64) float u[ring_capacity], v[ring_capacity]; ///< Tangent-plane coordinates.
     alignas(64) float angle[ring_capacity];               ///< Of (u, v) [radians], -pi to pi.
     alignas(64) float tx[ring_capacity], ty[ring_capacity], tz[ring_capacity]; ///< Sum of both tangents of the curve.
@@ -76,7 +91,8 @@ PN_INLINE float fast_angle(float x, float y)
 constexpr float least_agreement = 0.1f;
 
 /// Sorts points[0, n) into those that may be neighbours (1), those within the radius that may not (2) and the rest (0).
-PN_INLINE void classify_points(const LocalPoints& points, const Centre& c, int* classes)
+/// `classes` holds at least points.count rounded up to 8; what is beyond is set to 0.
+PN_INLINE void classify_points(const LocalPoints& points, const Centre& c, std::uint8_t* classes)
 {
     const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
     const float *nx = points.nx.data(), *ny = points.ny.data(), *nz = points.nz.data();
@@ -92,7 +108,30 @@ PN_INLINE void classify_points(const LocalPoints& points, const Centre& c, int* 
         const float limit = 1 + agreement;
         const int near = int(d2 <= r2) & int(d2 > same);
         const int consistent = int(slope * slope <= limit * limit * d2) & int(agreement >= least_agreement);
-        classes[j] = near * (2 - consistent);
+        classes[j] = std::uint8_t(near * (2 - consistent));
+    }
+    for (int j = n; j % 8 != 0; ++j)
+        classes[j] = 0;
+}
+
+/// Lists the points of class 1 and of class 2, ascending; both lists hold at least n. Few points of many are in either, so
+/// eight are passed over at a time.
+PN_INLINE void list_classes(const std::uint8_t* classes, int n, int* ones, int& one_count, int* twos, int& two_count)
+{
+    one_count = two_count = 0;
+    for (int j = 0; j < n; j += 8)
+    {
+        std::uint64_t word;
+        std::memcpy(&word, classes + j, 8);
+        while (word != 0)
+        {
+            const int k = __builtin_ctzll(word) / 8;
+            const bool is_one = (word >> (8 * k) & 1) != 0;
+            ones[one_count] = twos[two_count] = j + k;
+            one_count += is_one;
+            two_count += !is_one;
+            word &= ~(std::uint64_t(255) << (8 * k));
+        }
     }
 }
 
@@ -165,6 +204,7 @@ inline void keep_side_of_crease(const LocalPoints& points, const Centre& c, floa
 PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, const int* hits, int count, Ring& ring)
 {
     ring.count = count;
+    const int n = padded(count);
     for (int k = 0; k < count; ++k)
     {
         const auto j = std::size_t(hits[k]);
@@ -176,7 +216,17 @@ PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, const int* 
         ring.ny[k] = points.ny[j];
         ring.nz[k] = points.nz[j];
     }
-    for (int k = 0; k < count; ++k)
+    for (int k = count; k < n; ++k)
+    {
+        const float away = far_away / c.inverse_radius;
+        ring.x[k] = c.x + away * c.e1[0];
+        ring.y[k] = c.y + away * c.e1[1];
+        ring.z[k] = c.z + away * c.e1[2];
+        ring.nx[k] = c.n[0];
+        ring.ny[k] = c.n[1];
+        ring.nz[k] = c.n[2];
+    }
+    for (int k = 0; k < n; ++k)
     {
         const float x = (ring.x[k] - c.x) * c.inverse_radius, y = (ring.y[k] - c.y) * c.inverse_radius,
                     z = (ring.z[k] - c.z) * c.inverse_radius;
@@ -185,7 +235,6 @@ PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, const int* 
         ring.y[k] = y;
         ring.z[k] = z;
         ring.length[k] = std::sqrt(d2);
-        ring.inverse_length[k] = 1 / ring.length[k];
         ring.u[k] = x * c.e1[0] + y * c.e1[1] + z * c.e1[2];
         ring.v[k] = x * c.e2[0] + y * c.e2[1] + z * c.e2[2];
         ring.flatness[k] = c.n[0] * ring.nx[k] + c.n[1] * ring.ny[k] + c.n[2] * ring.nz[k];
@@ -196,7 +245,8 @@ PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, const int* 
 /// Moves (u, v) out to the geodesic distance (eq. 9) and keeps the tangents for the candidates.
 PN_INLINE void project_geodesically(const Centre& c, Ring& ring)
 {
-    for (int k = 0; k < ring.count; ++k)
+    const int n = padded(ring.count);
+    for (int k = 0; k < n; ++k)
     {
         const float x = ring.x[k], y = ring.y[k], z = ring.z[k], d2 = ring.length[k] * ring.length[k];
         const float s0 = x * c.n[0] + y * c.n[1] + z * c.n[2];
@@ -222,35 +272,44 @@ PN_INLINE void project_geodesically(const Centre& c, Ring& ring)
 template <bool in_plane>
 PN_INLINE void measure_badness(const Ring& ring, float* badness)
 {
-    const int n = ring.count;
+    const int count = ring.count, n = padded(count);
     alignas(64) float length[ring_capacity], inverse[ring_capacity];
     for (int j = 0; j < n; ++j)
     {
-        const float l = in_plane ? std::sqrt(ring.u[j] * ring.u[j] + ring.v[j] * ring.v[j]) : ring.length[j];
-        length[j] = l;
-        inverse[j] = 1 / (l + 1e-20f);
+        length[j] = in_plane ? std::sqrt(ring.u[j] * ring.u[j] + ring.v[j] * ring.v[j]) : ring.length[j];
+        inverse[j] = 1 / (length[j] + 1e-20f);
     }
-    for (int i = 0; i < n; ++i)
+    alignas(64) float successors[ring_capacity], predecessors[ring_capacity];
+    for (int i = 0; i < n; i += lane_count)
     {
-        const float xi = in_plane ? ring.u[i] : ring.x[i], yi = in_plane ? ring.v[i] : ring.y[i],
-                    zi = in_plane ? 0 : ring.z[i];
-        const float ui = ring.u[i], vi = ring.v[i], squared = length[i] * length[i];
-        // The sine enters with its sign times its square: one division a pair, and the root is taken of the maximum.
-        float successor = -1, predecessor = -1;
-        for (int j = 0; j < n; ++j)
+        // Sixteen entries against one at a time. The sine enters with its sign times its square: one division a pair, and
+        // the root is taken of the maximum.
+        const Lanes ui = load(ring.u + i), vi = load(ring.v + i), li = load(length + i);
+        const Lanes xi = in_plane ? ui : load(ring.x + i), yi = in_plane ? vi : load(ring.y + i), zi = load(ring.z + i);
+        const Lanes squared = li * li, least = Lanes{} - 1;
+        Lanes successor = least, predecessor = least;
+        for (int j = 0; j < count; ++j)
         {
-            const float g = in_plane ? xi * ring.u[j] + yi * ring.v[j] : xi * ring.x[j] + yi * ring.y[j] + zi * ring.z[j];
-            const float along = g * inverse[j] - length[j];
-            const float apart = squared + length[j] * length[j] - 2 * g;
+            const float lj = length[j];
+            const Lanes g = in_plane ? xi * ring.u[j] + yi * ring.v[j] : xi * ring.x[j] + yi * ring.y[j] + zi * ring.z[j];
+            const Lanes along = g * inverse[j] - lj;
+            const Lanes apart = squared + lj * lj - 2 * g;
+            const Lanes size = along > 0 ? along : -along;
             // A point is not behind itself or its twin on a crease, whatever rounding says.
-            const float sine = apart > 1e-6f ? along * std::fabs(along) / apart : -1.f;
-            const float side = ui * ring.v[j] - vi * ring.u[j];
-            const float s = side >= 0 ? sine : -1.f, p = side >= 0 ? -1.f : sine;
+            const Lanes sine = apart > 1e-6f ? along * size / apart : least;
+            const Lanes side = ui * ring.v[j] - vi * ring.u[j];
+            const Lanes s = side >= 0 ? sine : least, p = side >= 0 ? least : sine;
             successor = s > successor ? s : successor;
             predecessor = p > predecessor ? p : predecessor;
         }
-        const float s = (successor < 0 ? -1.f : 1.f) * std::sqrt(std::fabs(successor)) + 0.5f;
-        const float p = (predecessor < 0 ? -1.f : 1.f) * std::sqrt(std::fabs(predecessor)) + 0.5f;
+        std::memcpy(successors + i, &successor, sizeof successor);
+        std::memcpy(predecessors + i, &predecessor, sizeof predecessor);
+    }
+    for (int i = 0; i < n; ++i)
+    {
+        const float ss = successors[i], pp = predecessors[i];
+        const float s = (ss < 0 ? -1.f : 1.f) * std::sqrt(std::fabs(ss)) + 0.5f;
+        const float p = (pp < 0 ? -1.f : 1.f) * std::sqrt(std::fabs(pp)) + 0.5f;
         badness[i] = (s > 0 ? s : 0) + (p > 0 ? p : 0);
     }
 }
