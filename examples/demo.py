@@ -80,7 +80,7 @@ def write_picture(rows, path):
             axis.set_title(title, fontsize=11)
             axis.axis("off")
     figure.tight_layout(pad=0.4)
-    figure.savefig(path)
+    figure.savefig(path, pil_kwargs={"optimize": True})
 
 
 def main():

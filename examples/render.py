@@ -46,20 +46,25 @@ def nearest_per_pixel(frame, x, y, depth):
     return index.reshape(size, size)
 
 
-def fill_pinholes(picture, seen):
-    """Pixels that no sample happened to hit, with at least 5 of 8 neighbours hit, get the neighbours' mean."""
-    size = len(seen)
-    wide = np.pad(np.where(seen[..., None], picture, 0), ((1, 1), (1, 1), (0, 0)))
-    hits = np.pad(seen.astype(float), 1)
-    shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-    total = sum(wide[i:i + size, j:j + size] for i, j in shifts)
-    count = sum(hits[i:i + size, j:j + size] for i, j in shifts)
-    holes = ~seen & (count >= 5)
+def fill_pinholes(picture, depth):
+    """Pixels that no sample of the front surface happened to hit get the mean of their nearer neighbours, if most are nearer.
+
+    `depth` is -inf where nothing was hit."""
+    size = len(depth)
+    finite = depth[np.isfinite(depth)]
+    step = 0.02 * np.ptp(finite) if len(finite) else 0
+    wide, wide_depth = np.pad(picture, ((1, 1), (1, 1), (0, 0))), np.pad(depth, 1, constant_values=-np.inf)
+    total, count = np.zeros_like(picture), np.zeros_like(depth)
+    for i, j in [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]:
+        nearer = wide_depth[i:i + size, j:j + size] > depth + step
+        total += nearer[..., None] * wide[i:i + size, j:j + size]
+        count += nearer
+    holes = count >= 5
     picture[holes] = total[holes] / count[holes][:, None]
     return picture
 
 
-def surface_picture(points, triangles, frame, samples_per_pixel=2):
+def surface_picture(points, triangles, frame, samples_per_pixel=3):
     """Shaded, in supersampled pixels of `frame`."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
@@ -96,7 +101,9 @@ def surface_picture(points, triangles, frame, samples_per_pixel=2):
     shine = lamp([-0.3, 0.45, 1.0], 1.0) ** 40 * 0.25
     picture = np.ones((frame.size, frame.size, 3))
     picture[seen] = np.clip(light[:, None] * CLAY + shine[:, None], 0, 1)
-    return fill_pinholes(picture, seen)
+    depths = np.full(seen.shape, -np.inf)
+    depths[seen] = depth[chosen]
+    return fill_pinholes(picture, depths)
 
 
 def cloud_picture(points, frame, radius):

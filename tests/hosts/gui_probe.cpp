@@ -1,7 +1,8 @@
 // A plugin for tests that looks at MeshLab 2020's window from inside: it loads a cloud, finds the filter in the menus,
 // runs it with its default parameters through the dialog a user would see, and saves pictures. MeshLab loads it as any
 // plugin.
-//   PROBE_FILTER  name of the filter          PROBE_FOLDER  where report.txt and pictures go
+//   PROBE_FILTER  name of the filter to run   PROBE_FOLDER  where report.txt and pictures go
+//   PROBE_MENUS   names of filters to look for in the menus, separated by '|'
 // The cloud is given to MeshLab on its command line.
 #include <host.h>
 
@@ -58,7 +59,7 @@ private:
     }
 
     /// Reports every place of the filter in the menus.
-    QAction* find(const QList<QAction*>& actions, const QString& path) const
+    QAction* find(const QString& name, const QList<QAction*>& actions, const QString& path) const
     {
         QAction* found = nullptr;
         for (QAction* action : actions)
@@ -66,10 +67,10 @@ private:
             const QString here = path + "/" + QString(action->text()).remove('&');
             if (action->menu())
             {
-                QAction* inside = find(action->menu()->actions(), here);
+                QAction* inside = find(name, action->menu()->actions(), here);
                 found = inside ? inside : found;
             }
-            else if (action->text() == qEnvironmentVariable("PROBE_FILTER"))
+            else if (action->text() == name)
             {
                 report("menu " + here + (action->isEnabled() ? "" : " (disabled)"));
                 found = action;
@@ -81,7 +82,10 @@ private:
     void open_dialog()
     {
         QMainWindow* main = window();
-        QAction* action = main ? find(main->menuBar()->actions(), "") : nullptr;
+        if (main)
+            for (const QString& name : qEnvironmentVariable("PROBE_MENUS").split('|'))
+                find(name, main->menuBar()->actions(), "");
+        QAction* action = main ? find(qEnvironmentVariable("PROBE_FILTER"), main->menuBar()->actions(), "") : nullptr;
         if (!action)
         {
             report(main ? "no such filter" : "no window");

@@ -124,6 +124,13 @@ class PyMeshLab:
         return state
 
 
+def filters_of(plugin):
+    """Names and Python names of the filters of a plugin for MeshLab 2025.07, as its plugin manager sees them."""
+    shown = subprocess.run([str(BUILD / "tests" / "hosts" / "plugin_manager_run"), str(plugin)], check=True, text=True,
+                           env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}, stdout=subprocess.PIPE).stdout
+    return [tuple(line[len("filter "):].split("\t")) for line in shown.splitlines() if line.startswith("filter ")]
+
+
 # --- MeshLab 2025.07, its own plugin manager ------------------------------------------------------------------------------
 
 class MeshLab2025:

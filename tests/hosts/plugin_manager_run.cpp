@@ -1,4 +1,5 @@
 // Loads a plugin with MeshLab's own plugin manager, as MeshLab's window does, and runs one of its filters on a cloud.
+//   plugin_manager_run <plugin.so>       lists its filters: name, tab, name in pymeshlab
 //   plugin_manager_run <plugin.so> <filter> <cloud | -> <surface> [cancel] [name=value | name=value%]...
 // The cloud and the surface are raw files as tests/hosts/hosts.py writes and reads them. Prints "key value" lines.
 #include <common/ml_document/mesh_document.h>
@@ -146,6 +147,14 @@ int run(int argc, char** argv)
     PluginManager manager;
     MeshLabPlugin* loaded = manager.loadPlugin(argv[1]);
     std::cout << "plugin " << loaded->pluginName().toStdString() << "\n";
+    if (argc == 2)
+    {
+        auto* plugin = dynamic_cast<FilterPlugin*>(loaded);
+        for (QAction* action : plugin->actions())
+            std::cout << "filter " << action->text().toStdString() << "\t" << plugin->pythonFilterName(action).toStdString()
+                      << "\n";
+        return 0;
+    }
     QAction* action = manager.filterAction(argv[2]);
     if (!action)
         throw std::runtime_error("the plugin has no such filter");
@@ -192,7 +201,7 @@ int run(int argc, char** argv)
 int main(int argc, char** argv)
 {
     QApplication application(argc, argv);
-    if (argc < 5)
+    if (argc != 2 && argc < 5)
         return 2;
     try
     {

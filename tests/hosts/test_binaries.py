@@ -1,17 +1,30 @@
 """What is shipped: the plugin files themselves."""
+import re
 import subprocess
 
 import pytest
 
-from hosts import BUILD
+from hosts import BUILD, filters_of
 
 FILES = sorted((BUILD / "plugins").glob("*/*.so"))
 HOSTS = ["meshlab-2020.09", "meshlab-2025.07", "pymeshlab-2025.7"]
 
 
+PLUGINS = ["libfilter_amls.so", "libfilter_noisy_powercrust.so", "libfilter_pn_refine.so"]
+
+
 @pytest.mark.parametrize("host", HOSTS)
-def test_every_host_has_the_plugin(host):
-    assert (BUILD / "plugins" / host / "libfilter_noisy_powercrust.so").exists()
+def test_every_host_has_the_plugins(host):
+    assert [f.name for f in FILES if f.parent.name == host] == PLUGINS
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_names_follow_the_hosts_rules(plugin):
+    filters = filters_of(BUILD / "plugins" / "meshlab-2025.07" / plugin)
+    assert filters
+    for name, python_name in filters:
+        assert name and name == name.strip()
+        assert re.fullmatch(r"(generate|compute|apply|meshing)_[a-z0-9_]+", python_name), python_name
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: f"{f.parent.name}/{f.name}")
