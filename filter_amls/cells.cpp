@@ -20,6 +20,9 @@ constexpr double cell_edge = 0.45;   // widths
 constexpr double anchor_edge = 0.5;  // widths
 constexpr double normal_cut = 2.3;   // normal widths
 constexpr double normal_points = 30; // effective points that a normal needs
+constexpr double least_spread = 0.3; // of the variance that a filled window has
+constexpr double widening_step = 1.4;
+constexpr int most_widenings = 4;
 constexpr double isolated_mass = 0.15, isolated_radius = 3.7;
 constexpr int isolated_points = 6;
 constexpr double dense_mass = 0.7, lonely_mass = 0.08, detail_radius = 1; // radius in widths
@@ -32,6 +35,70 @@ double normal_width(const LocalScale& s)
 {
     return std::max(0.6 * s.width, std::min(0.8 * s.width, std::sqrt(normal_points / (2 * pi * s.density))));
 }
+
+/// Fits the planes of cells, run by run.
+class PlaneFitter
+{
+public:
+    PlaneFitter(const Cells& cells, const NeighbourSearch& search) : cells_(cells), search_(search) {}
+
+    void fit(const Run& run, CellNormals& result)
+    {
+        double reach = 0;
+        for (int c = run.begin; c < run.end; ++c)
+            reach = std::max(reach, reach_of(normal_width(cells_.scales[c]), cells_.scales[c]));
+        search_.within(run.centre, run.radius + reach, found_);
+        around_run_.gather(cells_.means, cells_.counts, found_, run.centre);
+        for (int c = run.begin; c < run.end; ++c)
+        {
+            const LocalScale& scale = cells_.scales[c];
+            double h = normal_width(scale);
+            Point foot = cells_.means[c] - run.centre, origin = run.centre;
+            WeightedPlane plane = fit_at_foot(around_run_, foot, h);
+            // Where points are much sparser than around, the window holds one clump, which has no direction.
+            for (int i = 0; i < most_widenings && is_clump(plane, h, scale); ++i)
+            {
+                h *= widening_step;
+                result.widening[c] *= widening_step;
+                origin = cells_.means[c];
+                foot = Point::Zero();
+                search_.within(origin, reach_of(h, scale), found_);
+                around_cell_.gather(cells_.means, cells_.counts, found_, origin);
+                plane = fit_at_foot(around_cell_, foot, h);
+            }
+            result.normals[c] = plane.normal;
+            result.feet[c] = origin + foot;
+            const double slab = std::sqrt(1 + 2 * scale.sigma * scale.sigma / (h * h));
+            result.mass[c] = plane.mass * slab / (pi * h * h * scale.density);
+        }
+    }
+
+private:
+    /// The variance that noise alone gives a clump, or somewhat more, in place of what a window full of points has.
+    static bool is_clump(const WeightedPlane& plane, double h, const LocalScale& scale)
+    {
+        return plane.spread < std::min(least_spread * 0.5 * h * h, 2.5 * scale.sigma * scale.sigma);
+    }
+
+    static double reach_of(double h, const LocalScale& scale) { return normal_cut * h + 2 * scale.sigma; }
+
+    /// Plane by principal directions, twice, the second time around the foot of the first; moves `foot` onto it.
+    static WeightedPlane fit_at_foot(const Gathered& gathered, Point& foot, double h)
+    {
+        WeightedPlane plane;
+        for (int i = 0; i < 2; ++i)
+        {
+            plane = fit_plane(gathered, foot, h, normal_cut);
+            foot += plane.normal * plane.normal.dot(plane.mean - foot);
+        }
+        return plane;
+    }
+
+    const Cells& cells_;
+    const NeighbourSearch& search_;
+    std::vector<int> found_;
+    Gathered around_run_, around_cell_;
+};
 
 } // namespace
 
@@ -83,6 +150,7 @@ CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progres
     result.feet = cells.means;
     result.mass.assign(n, 0);
     result.kinds.assign(n, CellKind::regular);
+    result.widening.assign(n, 1);
 
     const NeighbourSearch search(cells.means);
     const std::vector<Run> runs =
@@ -91,34 +159,9 @@ CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progres
     parallel_chunks(runs.size(), threads, 64, progress.part(0, 0.8, "Normals"),
                     [&](std::size_t begin, std::size_t end)
                     {
-                        std::vector<int> found;
-                        Gathered gathered;
+                        PlaneFitter fitter(cells, search);
                         for (std::size_t r = begin; r < end; ++r)
-                        {
-                            const Run& run = runs[r];
-                            double reach = 0;
-                            for (int c = run.begin; c < run.end; ++c)
-                                reach = std::max(reach, normal_cut * normal_width(cells.scales[c]) +
-                                                            2 * cells.scales[c].sigma);
-                            search.within(run.centre, run.radius + reach, found);
-                            gathered.gather(cells.means, cells.counts, found, run.centre);
-                            for (int c = run.begin; c < run.end; ++c)
-                            {
-                                const LocalScale& scale = cells.scales[c];
-                                const double h = normal_width(scale);
-                                Point foot = cells.means[c] - run.centre;
-                                WeightedPlane plane;
-                                for (int i = 0; i < 2; ++i)
-                                {
-                                    plane = fit_plane(gathered, foot, h, normal_cut);
-                                    foot += plane.normal * plane.normal.dot(plane.mean - foot);
-                                }
-                                result.normals[c] = plane.normal;
-                                result.feet[c] = run.centre + foot;
-                                const double slab = std::sqrt(1 + 2 * scale.sigma * scale.sigma / (h * h));
-                                result.mass[c] = plane.mass * slab / (pi * h * h * scale.density);
-                            }
-                        }
+                            fitter.fit(runs[r], result);
                     });
 
     parallel_chunks(std::size_t(n), threads, 1024, progress.part(0.8, 1, "Normals"),

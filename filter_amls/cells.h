@@ -40,6 +40,7 @@ struct CellNormals
     Points feet;              ///< Of the means on the local plane.
     std::vector<double> mass; ///< Weighted points found, relative to what a surface of that density has [1].
     std::vector<CellKind> kinds;
+    std::vector<double> widening; ///< Factor by which the width had to grow for the neighbourhood to have an extent [1].
 };
 CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progress& progress = {});
 

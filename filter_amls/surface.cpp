@@ -140,6 +140,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     Cells cells = average_cells(unit, scales, threads, progress.part(0.15, 0.2, "Cells"));
     times.begin("normals");
     CellNormals normals = estimate_cell_normals(cells, threads, progress.part(0.2, 0.35, "Normals"));
+    for (int c = 0; c < cells.size(); ++c)
+        cells.scales[c].width *= normals.widening[c];
     std::vector<int> anchors = thin_to_anchors(cells, normals);
     if (anchors.empty())
     {

@@ -168,6 +168,7 @@ WeightedPlane fit_plane(const Gathered& points, const Point& centre, double widt
     solver.computeDirect(covariance / (width * width));
     plane.mean = centre + mean;
     plane.normal = solver.eigenvectors().col(0);
+    plane.spread = solver.eigenvalues()[1] * width * width;
     if (!plane.normal.allFinite())
         plane.normal = Vector::UnitZ();
     return plane;

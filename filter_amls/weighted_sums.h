@@ -29,6 +29,7 @@ struct WeightedPlane
     double mass = 0;
     Point mean = Point::Zero();
     Vector normal = Vector::UnitZ();
+    double spread = 0; ///< Variance along the middle principal direction [length^2].
 };
 
 /// Plane of the gathered points about `centre` with weights w exp(-d^2 / width^2), d <= cut width.
