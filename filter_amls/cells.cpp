@@ -22,13 +22,13 @@ constexpr double normal_cut = 2.3;   // normal widths
 constexpr double normal_points = 30; // effective points that a normal needs
 constexpr double least_spread = 0.3; // of the variance that a filled window has
 constexpr double widening_step = 1.4;
-constexpr int most_widenings = 4;
+constexpr int most_widenings = 3;
 constexpr double isolated_mass = 0.15, isolated_radius = 3.7;
 constexpr int isolated_points = 6;
 constexpr double dense_mass = 0.7, lonely_mass = 0.08, detail_radius = 1; // radius in widths
 constexpr double stray_mass = 0.5, stray_share = 0.3, stray_radius = 4.5; // radius in sigmas
 constexpr double run_radius = 0.5;                                        // widths
-constexpr int longest_run = 32;
+constexpr int longest_run = 32, longest_seed_run = 64;
 
 /// Width of the plane fits: somewhat below the width of the surface, or as few points as a normal needs.
 double normal_width(const LocalScale& s)
@@ -105,9 +105,17 @@ private:
 Cells average_cells(const Points& points, const LocalScales& scales, int threads, const Progress& progress)
 {
     const std::size_t n = points.size();
+    // One seed for points that lie close together compared with the distance of seeds.
+    const std::vector<Run> runs = split_into_runs(points, longest_seed_run, [&](int) { return scales.seed_reach; });
     std::vector<int> seed(n);
     parallel_for(
-        n, threads, progress, [&](std::size_t i) { seed[i] = scales.seeds.nearest_seed(points[i]); }, 4096);
+        runs.size(), threads, progress,
+        [&](std::size_t r)
+        {
+            const int nearest = scales.seeds.nearest_seed(runs[r].centre);
+            std::fill(seed.begin() + runs[r].begin, seed.begin() + runs[r].end, nearest);
+        },
+        1024);
 
     std::vector<int> level(scales.at_seed.size());
     std::vector<double> inverse_edge(scales.at_seed.size());
@@ -142,7 +150,8 @@ Cells average_cells(const Points& points, const LocalScales& scales, int threads
     return cells;
 }
 
-CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progress& progress)
+CellNormals estimate_cell_normals(const Cells& cells, const NeighbourSearch& search, int threads,
+                                  const Progress& progress)
 {
     const int n = cells.size();
     CellNormals result;
@@ -152,7 +161,6 @@ CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progres
     result.kinds.assign(n, CellKind::regular);
     result.widening.assign(n, 1);
 
-    const NeighbourSearch search(cells.means);
     const std::vector<Run> runs =
         split_into_runs(cells.means, longest_run, [&](int i) { return run_radius * cells.scales[i].width; });
     std::vector<std::uint8_t> isolated(n);

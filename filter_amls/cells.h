@@ -3,6 +3,7 @@
 #include "local_scales.h"
 
 #include <recon/geometry.h>
+#include <recon/neighbours.h>
 #include <recon/progress.h>
 
 #include <cstdint>
@@ -40,9 +41,12 @@ struct CellNormals
     Points feet;              ///< Of the means on the local plane.
     std::vector<double> mass; ///< Weighted points found, relative to what a surface of that density has [1].
     std::vector<CellKind> kinds;
-    std::vector<double> widening; ///< Factor by which the width had to grow for the neighbourhood to have an extent [1].
+    std::vector<double>
+        widening; ///< Factor by which the width had to grow for the neighbourhood to have an extent [1].
 };
-CellNormals estimate_cell_normals(const Cells& cells, int threads, const Progress& progress = {});
+/// \param search of the cells' means.
+CellNormals estimate_cell_normals(const Cells& cells, const NeighbourSearch& search, int threads,
+                                  const Progress& progress = {});
 
 /// Indices of the cells whose feet represent the others within voxels of half a width: those of largest mass (recipe
 /// step 5). Strays and outliers are never among them. Ascending.

@@ -88,15 +88,14 @@ Anchor fit_anchor(const Gathered& gathered, const Point& origin, const Point& fo
 
 } // namespace
 
-std::vector<Anchor> fit_anchors(const Cells& cells, const Vectors& normals, const Points& feet,
-                                const std::vector<int>& anchors, const std::vector<double>& widths, int threads,
-                                const Progress& progress)
+std::vector<Anchor> fit_anchors(const Cells& cells, const NeighbourSearch& search, const Vectors& normals,
+                                const Points& feet, const std::vector<int>& anchors, const std::vector<double>& widths,
+                                int threads, const Progress& progress)
 {
     std::vector<Anchor> result(anchors.size());
     Points positions;
     for (int c : anchors)
         positions.push_back(feet[c]);
-    const NeighbourSearch search(cells.means);
     const std::vector<Run> runs =
         split_into_runs(positions, longest_run, [&](int i) { return run_radius * widths[i]; });
     parallel_chunks(runs.size(), threads, 64, progress,

@@ -14,9 +14,11 @@ LocalFeatureSize find_local_feature_size(const Points& queries, const AmlsSurfac
     Vectors normals;
     for (const Anchor& a : data.anchors)
         normals.push_back(a.normal);
-    const PolarCells polar = find_polar_cells(data.positions, normals, progress.part(0, 0.8, "Delaunay triangulation"));
+    const PolarCells polar =
+        find_polar_cells(data.anchor_positions, normals, progress.part(0, 0.8, "Delaunay triangulation"));
     LocalFeatureSize result;
-    result.poles = select_poles(polar.delaunay, data.positions, normals, data.anchor_spacing, polar.outer, polar.inner);
+    result.poles =
+        select_poles(polar.delaunay, data.anchor_positions, normals, data.anchor_spacing, polar.outer, polar.inner);
     if (result.poles.empty())
         throw AlgorithmFailure(
             "No Delaunay ball approximates a medial ball: the cloud is flat, too sparse, or its noise is "

@@ -27,6 +27,7 @@ constexpr double largest_step = 5;     // sigmas by which two heights differ at 
 constexpr int pooled_seeds = 40;
 constexpr double global_share = 0.5; // weight of the mean over all seeds beside the pooled ones
 constexpr int smoothing_seeds = 15;
+constexpr double seed_reach = 0.3;  // of the distance of close seeds
 constexpr double affordable = 3000; // points per seed; beyond it fewer seeds are asked
 constexpr double beyond = 1e10;     // coordinate of entries that pad the arrays
 /// The noise estimate means the length; here an estimate that is high by 10 % hides as much bias, so it is taken lower.
@@ -235,7 +236,7 @@ double find_minimum(const Risks& risks)
 LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int threads, const Progress& progress)
 {
     const int m = noise.size();
-    LocalScales result{noise, std::vector<LocalScale>(m)};
+    LocalScales result{noise, std::vector<LocalScale>(m), 0};
     std::vector<double> narrowest(m);
     double expected = 0;
     for (int i = 0; i < m; ++i)
@@ -276,7 +277,7 @@ LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int 
             mean[j] += r[j] / double(risks.size());
     const NeighbourSearch asked_search(asked), seed_search(noise.seeds());
     const int pool = std::max(12, pooled_seeds / stride);
-    std::vector<double> log_width(m);
+    std::vector<double> log_width(m), distance(m);
     parallel_for(std::size_t(m), threads, {},
                  [&](std::size_t i)
                  {

@@ -22,6 +22,7 @@ struct LocalScales
 {
     NoiseEstimate seeds;
     std::vector<LocalScale> at_seed;
+    double seed_reach = 0; ///< A small part of the distance of neighbouring seeds [length].
 
     const LocalScale& at(const Point& p) const { return at_seed[seeds.nearest_seed(p)]; }
 };

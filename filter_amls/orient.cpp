@@ -20,8 +20,10 @@ namespace
 constexpr double big_spacings = 3;   // a ball of this many spacings is fully trusted
 constexpr double outside_weight = 2; // of the tie between the infinite cells and the outside
 constexpr double opposite_weight = 0.98;
+constexpr double trusting_factor = 1.5; // of opposite ties in the second labelling
 constexpr int vote_rounds = 6;
 constexpr int vote_neighbours = 12;
+constexpr double least_vote = 0.1;
 
 /// Constraint between two balls, or between a ball and the outside.
 struct Tie
@@ -171,24 +173,41 @@ struct Labels
     double contradicted = 0;
 };
 
-Labels label_balls(int balls, std::vector<Tie> ties, double opposite_factor)
+/// Positions of the ties, heaviest first; equal weights in the order of the list, always.
+std::vector<int> sort_by_weight(const std::vector<Tie>& ties, bool opposite)
 {
-    for (Tie& tie : ties)
-        if (tie.opposite)
-            tie.weight *= float(opposite_factor);
-    // Bit patterns of positive floats sort as the floats do; the position breaks ties in the same way always.
-    std::vector<std::uint64_t> order(ties.size());
+    // Bit patterns of positive floats sort as the floats do.
+    std::vector<std::uint64_t> keys;
     for (std::size_t i = 0; i < ties.size(); ++i)
-    {
-        std::uint32_t bits;
-        std::memcpy(&bits, &ties[i].weight, sizeof bits);
-        order[i] = std::uint64_t(~bits) << 32 | std::uint32_t(i);
-    }
-    std::sort(order.begin(), order.end());
+        if (ties[i].opposite == opposite)
+        {
+            std::uint32_t bits;
+            std::memcpy(&bits, &ties[i].weight, sizeof bits);
+            keys.push_back(std::uint64_t(~bits) << 32 | std::uint32_t(i));
+        }
+    std::sort(keys.begin(), keys.end());
+    std::vector<int> order;
+    order.reserve(keys.size());
+    for (std::uint64_t key : keys)
+        order.push_back(int(std::uint32_t(key)));
+    return order;
+}
+
+/// The two kinds of ties, each sorted.
+struct SortedTies
+{
+    std::vector<int> same, opposite;
+};
+
+Labels label_balls(int balls, const std::vector<Tie>& ties, const SortedTies& sorted, double opposite_factor)
+{
     ParityForest forest(balls + 1);
-    for (std::uint64_t key : order)
+    for (std::size_t i = 0, j = 0; i < sorted.same.size() || j < sorted.opposite.size();)
     {
-        const Tie& tie = ties[std::uint32_t(key)];
+        const bool same_next = j == sorted.opposite.size() ||
+                               (i < sorted.same.size() &&
+                                ties[sorted.same[i]].weight >= opposite_factor * ties[sorted.opposite[j]].weight);
+        const Tie& tie = ties[same_next ? sorted.same[i++] : sorted.opposite[j++]];
         forest.unite(tie.a, tie.b, tie.opposite);
     }
     Labels labels;
@@ -205,29 +224,84 @@ Labels label_balls(int balls, std::vector<Tie> ties, double opposite_factor)
     for (const Tie& tie : ties)
     {
         const int a = tie.a == balls ? 1 : labels.side[tie.a], b = tie.b == balls ? 1 : labels.side[tie.b];
-        const double weight = tie.opposite ? tie.weight / opposite_factor : tie.weight;
-        total += weight;
+        total += tie.weight;
         if ((a != b) != tie.opposite)
-            wrong += weight;
+            wrong += tie.weight;
     }
     labels.contradicted = total > 0 ? wrong / total : 0;
     return labels;
 }
 
+/// Flips normals that contradict the 12 points around them, beginning where neighbours in the triangulation contradict
+/// each other, since elsewhere all agree.
+void settle_votes(const Triangulation& t, const Points& points, const std::vector<double>& vote, int threads,
+                  Vectors& normals)
+{
+    const int n = int(points.size());
+    std::vector<char> doubtful(n, 0);
+    for (int c = 0; c < t.finite_cells; ++c)
+    {
+        const auto& v = t.cells[c].vertices;
+        for (int i = 0; i < 4; ++i)
+            for (int j = i + 1; j < 4; ++j)
+                if (v[i] < n && v[j] < n && normals[v[i]].dot(normals[v[j]]) < 0)
+                    doubtful[v[i]] = doubtful[v[j]] = 1;
+    }
+    const NeighbourSearch search(points);
+    for (int round = 0; round < vote_rounds; ++round)
+    {
+        std::vector<int> asked;
+        for (int v = 0; v < n; ++v)
+            if (doubtful[v])
+                asked.push_back(v);
+        std::vector<std::uint8_t> flip(asked.size(), 0);
+        std::vector<int> near(asked.size() * (vote_neighbours + 1), -1);
+        parallel_for(
+            asked.size(), threads, {},
+            [&](std::size_t i)
+            {
+                const int v = asked[i];
+                double squared[vote_neighbours + 1], agreement = 0;
+                int* found = &near[i * (vote_neighbours + 1)];
+                const int count = search.nearest(points[v], vote_neighbours + 1, found, squared);
+                for (int k = 0; k < count; ++k)
+                    agreement += normals[v].dot(normals[found[k]]) * (least_vote + std::abs(vote[found[k]]));
+                flip[i] = agreement < 0;
+            },
+            256);
+        int flips = 0;
+        for (std::size_t i = 0; i < asked.size(); ++i)
+            if (flip[i])
+            {
+                normals[asked[i]] = -normals[asked[i]];
+                ++flips;
+                for (int k = 0; k <= vote_neighbours; ++k)
+                    if (near[i * (vote_neighbours + 1) + std::size_t(k)] >= 0)
+                        doubtful[near[i * (vote_neighbours + 1) + std::size_t(k)]] = 1;
+            }
+        if (flips == 0)
+            break;
+    }
+}
+
 } // namespace
 
 Orientation orient_normals(const Points& points, const Vectors& normals, const std::vector<double>& spacing,
-                           int threads, const Progress& progress)
+                           int feature_stride, int threads, const Progress& progress)
 {
     const int n = int(points.size());
     const Balls balls = make_balls(points, normals, spacing, threads, progress.part(0, 0.6, "Delaunay triangulation"));
     const Triangulation& t = balls.delaunay;
     const std::vector<Tie> ties = list_ties(balls, points, normals);
     progress.part(0.6, 0.9, "Orientation").report(0);
+    SortedTies sorted;
+    parallel_invoke(
+        threads, [&] { sorted.same = sort_by_weight(ties, false); },
+        [&] { sorted.opposite = sort_by_weight(ties, true); });
     Labels plain, trusting;
     parallel_invoke(
-        threads, [&] { plain = label_balls(t.finite_cells, ties, 1); },
-        [&] { trusting = label_balls(t.finite_cells, ties, 1.5); });
+        threads, [&] { plain = label_balls(t.finite_cells, ties, sorted, 1); },
+        [&] { trusting = label_balls(t.finite_cells, ties, sorted, trusting_factor); });
     progress.part(0.9, 1, "Orientation").report(0);
     const Labels& labels = trusting.contradicted < plain.contradicted ? trusting : plain;
 
@@ -252,43 +326,7 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     for (int v = 0; v < n; ++v)
         if (vote[v] < 0)
             result.normals[v] = -normals[v];
-    const NeighbourSearch search(points);
-    std::vector<int> near(std::size_t(n) * (vote_neighbours + 1), -1);
-    parallel_for(
-        std::size_t(n), threads, {},
-        [&](std::size_t v)
-        {
-            double squared[vote_neighbours + 1];
-            search.nearest(points[v], vote_neighbours + 1, &near[v * (vote_neighbours + 1)], squared);
-        },
-        1024);
-    for (int round = 0; round < vote_rounds; ++round)
-    {
-        std::vector<std::uint8_t> flip(n, 0);
-        parallel_for(
-            std::size_t(n), threads, {},
-            [&](std::size_t v)
-            {
-                double agreement = 0;
-                for (int k = 0; k <= vote_neighbours; ++k)
-                {
-                    const int o = near[v * (vote_neighbours + 1) + std::size_t(k)];
-                    if (o >= 0)
-                        agreement += result.normals[v].dot(result.normals[o]) * (0.1 + std::abs(vote[o]));
-                }
-                flip[v] = agreement < 0;
-            },
-            1024);
-        int flips = 0;
-        for (int v = 0; v < n; ++v)
-            if (flip[v])
-            {
-                result.normals[v] = -result.normals[v];
-                ++flips;
-            }
-        if (flips == 0)
-            break;
-    }
+    settle_votes(t, points, vote, threads, result.normals);
 
     double volume = 0;
     Vector mean = Vector::Zero();
@@ -302,8 +340,14 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
 
     FeatureSizeOptions options;
     options.threads = threads;
-    result.feature_size =
-        measure_feature_size(points, select_poles(t, points, normals, spacing, balls.outer, balls.inner), options);
+    Points asked;
+    for (int v = 0; v < n; v += feature_stride)
+        asked.push_back(points[v]);
+    const std::vector<double> sizes =
+        measure_feature_size(asked, select_poles(t, points, normals, spacing, balls.outer, balls.inner), options);
+    result.feature_size.assign(n, std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+        result.feature_size[i * std::size_t(feature_stride)] = sizes[i];
     return result;
 }
 

@@ -25,6 +25,6 @@ struct Orientation
 /// noise), at least one; normals of unit length. \param spacing distance of neighbouring points [length], per point.
 /// \throws Cancelled.
 Orientation orient_normals(const Points& points, const Vectors& normals, const std::vector<double>& spacing,
-                           int threads, const Progress& progress = {});
+                           int feature_stride, int threads, const Progress& progress = {});
 
 } // namespace recon

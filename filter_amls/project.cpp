@@ -161,7 +161,7 @@ public:
     {
         const LocalScale& scale = data_.cells.scales[cell];
         const double h = scale.width;
-        const Vector side = data_.cell_normals[cell];
+        const Vector side = data_.cell_normals.normals[cell];
         result.widths[i] = data_.frame.scale() * h;
         result.spacings[i] = data_.frame.scale() / std::sqrt(scale.density);
         result.normals[i] = side;
@@ -170,7 +170,7 @@ public:
         double farthest = motion_sigmas * scale.sigma + motion_widths * h;
         if (options_.foreign_points)
             farthest = std::max(farthest, foreign_motion * (start - data_.cells.means[cell]).norm());
-        if (data_.kinds[cell] == CellKind::outlier)
+        if (data_.cell_normals.kinds[cell] == CellKind::outlier)
         {
             result.status[i] = ProjectionStatus::outlier;
             return;
@@ -202,7 +202,7 @@ public:
                 if (++widened <= widenings)
                     width *= 2;
                 else
-                    x += side * side.dot(data_.feet[cell] - x);
+                    x += side * side.dot(data_.cell_normals.feet[cell] - x);
                 continue;
             }
             const Vector g = Vector(sums.gradient[0], sums.gradient[1], sums.gradient[2]) / sums.weight;
@@ -224,7 +224,7 @@ public:
 
         if (step_count == 0 || !x.allFinite() || (x - start).squaredNorm() > farthest * farthest)
         {
-            const Vector to_plane = side * side.dot(data_.feet[cell] - start);
+            const Vector to_plane = side * side.dot(data_.cell_normals.feet[cell] - start);
             if (to_plane.norm() > farthest)
             {
                 result.status[i] = ProjectionStatus::outlier;
@@ -284,18 +284,27 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
     const std::size_t n = points.size();
 
     // Sorted, so that one query for anchors serves many points; equal points are computed once.
-    const SpatialOrder spatial = order_spatially(points);
+    const bool own = data.was_made_of(points);
+    const SpatialOrder other = own ? SpatialOrder{} : order_spatially(points);
+    const SpatialOrder& spatial = own ? data.spatial : other;
     const std::size_t m = spatial.order.size();
-    Points unit(m);
-    std::vector<int> cell(m);
-    parallel_for(
-        m, threads, progress.part(0, 0.2, "Projection"),
-        [&](std::size_t i)
-        {
-            unit[i] = data.frame.to_unit(points[spatial.order[i]]);
-            cell[i] = data.cell_search.nearest(unit[i]);
-        },
-        4096);
+    Points moved;
+    std::vector<int> nearest_cell;
+    if (!own)
+    {
+        moved.resize(m);
+        nearest_cell.resize(m);
+        parallel_for(
+            m, threads, progress.part(0, 0.2, "Projection"),
+            [&](std::size_t i)
+            {
+                moved[i] = data.frame.to_unit(points[spatial.order[i]]);
+                nearest_cell[i] = data.cell_search.nearest(moved[i]);
+            },
+            4096);
+    }
+    const Points& unit = own ? data.points : moved;
+    const std::vector<int>& cell = own ? data.cells.cell_of_point : nearest_cell;
     AmlsProjection sorted;
     const auto resize = [](AmlsProjection& p, std::size_t size)
     {

@@ -17,6 +17,7 @@ namespace
 
 constexpr double anchor_spacing = 0.5;     // widths: the voxels in which anchors were thinned
 constexpr double narrowest_spacings = 1.2; // a width by rho_e below it would find no neighbours
+constexpr int reported_sizes = 2000;       // places of which the median rho_e is told
 constexpr double widest = 0.25;            // diagonals
 const double rho_per_width = std::pow(2.0, 0.25);
 
@@ -56,11 +57,18 @@ void orient_cells(const Cells& cells, const Points& feet, const std::vector<int>
     Points positions;
     for (int c : anchors)
         positions.push_back(feet[c]);
+    for (std::size_t a = 0; a < anchors.size(); ++a)
+        normals[anchors[a]] = anchor_normals[a];
+    std::vector<char> is_anchor(normals.size(), 0);
+    for (int c : anchors)
+        is_anchor[c] = 1;
     const NeighbourSearch search(positions);
     parallel_for(
         std::size_t(cells.size()), threads, {},
         [&](std::size_t c)
         {
+            if (is_anchor[c])
+                return;
             int near[voters];
             double squared[voters];
             const int count = search.nearest(feet[c], voters, near, squared);
@@ -76,8 +84,6 @@ void orient_cells(const Cells& cells, const Points& feet, const std::vector<int>
                 normals[c] = -normals[c];
         },
         1024);
-    for (std::size_t a = 0; a < anchors.size(); ++a)
-        normals[anchors[a]] = anchor_normals[a];
 }
 
 /// Signs from given normals: the sum over each cell's points decides.
@@ -123,23 +129,25 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     PhaseTimes times;
 
     times.begin("noise");
-    const SpatialOrder spatial = order_spatially(points);
-    Points unit;
-    unit.reserve(spatial.order.size());
-    for (int i : spatial.order)
-        unit.push_back(frame.to_unit(points[i]));
+    auto data = std::make_shared<AmlsSurface::Data>(frame);
+    data->spatial = order_spatially(points);
+    for (int i : data->spatial.order)
+        data->points.push_back(frame.to_unit(points[i]));
     NoiseOptions noise_options;
     noise_options.threads = threads;
-    NoiseEstimate noise = estimate_noise(unit, noise_options, progress.part(0, 0.05, "Noise"));
+    NoiseEstimate noise = estimate_noise(data->points, noise_options, progress.part(0, 0.05, "Noise"));
     if (options.noise > 0)
         noise = with_given_noise(noise, options.noise / frame.scale());
 
     times.begin("width");
-    const LocalScales scales = choose_widths(unit, noise, threads, progress.part(0.05, 0.15, "Width"));
+    const LocalScales scales = choose_widths(data->points, noise, threads, progress.part(0.05, 0.15, "Width"));
     times.begin("cells");
-    Cells cells = average_cells(unit, scales, threads, progress.part(0.15, 0.2, "Cells"));
+    Cells& cells = data->cells;
+    cells = average_cells(data->points, scales, threads, progress.part(0.15, 0.2, "Cells"));
+    data->cell_search = NeighbourSearch(cells.means);
     times.begin("normals");
-    CellNormals normals = estimate_cell_normals(cells, threads, progress.part(0.2, 0.35, "Normals"));
+    CellNormals& normals = data->cell_normals;
+    normals = estimate_cell_normals(cells, data->cell_search, threads, progress.part(0.2, 0.35, "Normals"));
     for (int c = 0; c < cells.size(); ++c)
         cells.scales[c].width *= normals.widening[c];
     std::vector<int> anchors = thin_to_anchors(cells, normals);
@@ -153,21 +161,23 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     times.begin("orientation");
     Points feet;
     Vectors anchor_normals;
-    std::vector<double> spacing;
     for (int c : anchors)
     {
         feet.push_back(normals.feet[c]);
         anchor_normals.push_back(normals.normals[c]);
-        spacing.push_back(std::max(anchor_spacing * cells.scales[c].width, 1 / std::sqrt(cells.scales[c].density)));
+        data->anchor_spacing.push_back(
+            std::max(anchor_spacing * cells.scales[c].width, 1 / std::sqrt(cells.scales[c].density)));
     }
-    const Orientation orientation =
-        orient_normals(feet, anchor_normals, spacing, threads, progress.part(0.35, 0.85, "Orientation"));
+    // Without rho_e the feature size only serves the report.
+    const int stride = options.rho_e > 0 ? 1 : std::max(1, int(anchors.size()) / reported_sizes);
+    const Orientation orientation = orient_normals(feet, anchor_normals, data->anchor_spacing, stride, threads,
+                                                   progress.part(0.35, 0.85, "Orientation"));
     if (given_normals.empty())
         orient_cells(cells, normals.feet, anchors, orientation.normals, normals.normals, threads);
     else
     {
         Vectors sorted;
-        for (int i : spatial.order)
+        for (int i : data->spatial.order)
             sorted.push_back(given_normals[i]);
         orient_by_given(cells, sorted, normals.normals);
     }
@@ -176,7 +186,6 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     std::vector<double> widths;
     for (int c : anchors)
         widths.push_back(cells.scales[c].width);
-    std::vector<double> equivalent;
     if (options.rho_e > 0)
     {
         for (std::size_t a = 0; a < anchors.size(); ++a)
@@ -187,27 +196,26 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
             std::size_t(cells.size()), threads, {},
             [&](std::size_t c) { cells.scales[c].width = widths[search.nearest(normals.feet[c])]; }, 1024);
     }
-    for (std::size_t a = 0; a < anchors.size(); ++a)
+    std::vector<double> equivalent;
+    for (std::size_t a = 0; a < anchors.size(); a += std::size_t(stride))
         if (std::isfinite(orientation.feature_size[a]))
             equivalent.push_back(rho_per_width * widths[a] / orientation.feature_size[a]);
     for (int c = 0; c < cells.size(); ++c)
         if (normals.kinds[c] == CellKind::outlier)
             cells.counts[c] = 0;
-    std::vector<Anchor> fitted =
-        fit_anchors(cells, normals.normals, normals.feet, anchors, widths, threads, progress.part(0.85, 1, "Fit"));
+    data->anchors = fit_anchors(cells, data->cell_search, normals.normals, normals.feet, anchors, widths, threads,
+                                progress.part(0.85, 1, "Fit"));
+    for (const Anchor& anchor : data->anchors)
+        data->anchor_positions.push_back(anchor.position);
+    data->anchor_search = NeighbourSearch(data->anchor_positions);
     times.end();
 
-    auto data =
-        std::make_shared<AmlsSurface::Data>(frame, std::move(cells), std::move(normals.normals),
-                                            std::move(normals.feet), std::move(normals.kinds), std::move(fitted));
-    data->feature_size = orientation.feature_size;
-    data->anchor_spacing = std::move(spacing);
     AmlsSurfaceReport& report = data->report;
     report.noise = frame.scale() * noise.median_sigma();
     report.spacing = frame.scale() * noise.median_spacing();
     report.width = frame.scale() * median(widths);
     report.rho_e = median(equivalent);
-    report.cells = data->cells.size();
+    report.cells = cells.size();
     report.anchors = int(anchors.size());
     report.contradicted = orientation.contradicted;
     report.open = orientation.open;

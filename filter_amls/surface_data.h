@@ -5,6 +5,7 @@
 #include "surface.h"
 
 #include <recon/neighbours.h>
+#include <recon/spatial_order.h>
 
 namespace recon
 {
@@ -12,31 +13,30 @@ namespace recon
 /// Everything in the unit frame.
 struct AmlsSurface::Data
 {
-    Data(UnitFrame f, Cells c, Vectors normals, Points feet_, std::vector<CellKind> k, std::vector<Anchor> a)
-        : frame(f), cells(std::move(c)), cell_normals(std::move(normals)), feet(std::move(feet_)), kinds(std::move(k)),
-          anchors(std::move(a)), positions(positions_of(anchors)), cell_search(cells.means), anchor_search(positions)
-    {
-    }
+    explicit Data(UnitFrame f) : frame(f) {}
+    Data(const Data&) = delete; // the searches keep references
 
     UnitFrame frame;
+    SpatialOrder spatial; ///< Of the input points.
+    Points points;        ///< The distinct ones, in that order.
     Cells cells;
-    Vectors cell_normals; ///< Outward.
-    Points feet;
-    std::vector<CellKind> kinds;
+    NeighbourSearch cell_search{cells.means};
+    CellNormals cell_normals; ///< Normals outward.
     std::vector<Anchor> anchors;
-    Points positions; ///< Of the anchors.
-    NeighbourSearch cell_search, anchor_search;
-    std::vector<double> anchor_spacing; ///< Distance of neighbouring anchors, per anchor [unit].
-    std::vector<double> feature_size;   ///< Per anchor [unit]; infinite where there is no pole.
+    Points anchor_positions;
+    NeighbourSearch anchor_search{anchor_positions};
+    std::vector<double> anchor_spacing; ///< Distance of neighbouring anchors, per anchor.
     AmlsSurfaceReport report;
 
-private:
-    static Points positions_of(const std::vector<Anchor>& anchors)
+    /// Whether these are the points of which the surface was made, in the same order.
+    bool was_made_of(const Points& queries) const
     {
-        Points positions;
-        for (const Anchor& a : anchors)
-            positions.push_back(a.position);
-        return positions;
+        if (queries.size() != spatial.representative.size())
+            return false;
+        for (std::size_t i = 0; i < queries.size(); ++i)
+            if (frame.to_unit(queries[i]) != points[spatial.representative[i]])
+                return false;
+        return true;
     }
 };
 
