@@ -69,7 +69,7 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
     const Vector& n = samples.normals[std::size_t(i)];
     Centre c{0, 0, 0, {float(n.x()), float(n.y()), float(n.z())}, {}, {}, 1 / 1.00001f};
     set_tangents(c);
-    classes.resize(std::size_t(local.count) + 8);
+    classes.resize(std::size_t(local.count) + lane_count);
     classify(local, c, classes.data());
     for (int m = 0; m < local.count; ++m)
         if (classes[std::size_t(m)] == 1)

@@ -51,7 +51,7 @@ struct Workspace
     std::vector<float> next;          ///< Per old local point: radius to raise it to.
     std::vector<float> radius_before; ///< Per new local point.
     std::vector<std::uint8_t> classes;
-    std::vector<int> hits, rejected;
+    std::vector<int> hits, rejected, hit_buffer, rejected_buffer;
     Ring ring;
     Arrivals arrivals;
     Candidates candidates;
@@ -125,20 +125,18 @@ void gather(const RefineStep& step, int self, Workspace& w)
 PN_INLINE void find_near(const LocalPoints& points, const Centre& c, Workspace& w)
 {
     const auto n = std::size_t(points.count);
-    if (w.classes.size() < n + 8)
-        w.classes.resize(2 * n + 8);
-    if (w.hits.capacity() < n + 1 || w.rejected.capacity() < n + 1)
+    if (w.classes.size() < n + lane_count)
+        w.classes.resize(2 * n + lane_count);
+    if (w.hit_buffer.size() <= n)
     {
-        w.hits.reserve(2 * n + 1);
-        w.rejected.reserve(2 * n + 1);
+        w.hit_buffer.resize(2 * n + 1);
+        w.rejected_buffer.resize(2 * n + 1);
     }
-    w.hits.resize(n + 1);
-    w.rejected.resize(n + 1);
     int found = 0, rejected = 0;
     classify_points(points, c, w.classes.data());
-    list_classes(w.classes.data(), int(n), w.hits.data(), found, w.rejected.data(), rejected);
-    w.hits.resize(std::size_t(found));
-    w.rejected.resize(std::size_t(rejected));
+    list_classes(w.classes.data(), int(n), w.hit_buffer.data(), found, w.rejected_buffer.data(), rejected);
+    w.hits.assign(w.hit_buffer.begin(), w.hit_buffer.begin() + found);
+    w.rejected.assign(w.rejected_buffer.begin(), w.rejected_buffer.begin() + rejected);
     if (found > ring_capacity - 24)
         thin_hits(points, c, w.hits);
 }
@@ -305,41 +303,76 @@ struct PointRefiner
                 {w.new_points.nx[i], w.new_points.ny[i], w.new_points.nz[i]}};
     }
 
-    float measure_gap(int from, bool curved) const
+    PN_INLINE float measure_gap(int from, bool curved) const
     {
         const int to = from + 1 == w.neighbour_count ? 0 : from + 1;
         const float plane = turn_to_next(w.neighbours[from].angle, w.neighbours[to].angle, to == 0);
         // The curve bends an angle by far less than what lies outside these limits.
-        if (!curved || plane < 0.9f || plane > 2.6f)
-            return plane;
+        return !curved || plane < 0.9f || plane > 2.6f ? plane : measure_curved_gap(from, to);
+    }
+
+    /// The angle that the curve between the two sweeps (eq. 5).
+    float measure_curved_gap(int from, int to) const
+    {
         const Place a = place(w.neighbours[from]), b = place(w.neighbours[to]);
         const PointNormal<float> pa{{a.x, a.y, a.z}, a.normal}, pb{{b.x, b.y, b.z}, b.normal};
         const Eigen::Vector3f c1 = pa.position + pn_tangent(pa, pb.position), c2 = pb.position + pn_tangent(pb, pa.position);
         const auto angle = [](const Eigen::Vector3f& p, const Eigen::Vector3f& q)
         { return fast_angle(p.dot(q), p.cross(q).norm()); };
-        return angle(pa.position, c1) + angle(c1, c2) + angle(c2, pb.position); // eq. 5
+        return angle(pa.position, c1) + angle(c1, c2) + angle(c2, pb.position);
     }
 
-    /// Puts an entry where its angle belongs, without measuring gaps. \returns its place.
-    int put(float angle, int entry, bool is_new)
+    /// N' begins with the old and new points nearer than lambda_1.
+    PN_INLINE void start_neighbours()
     {
+        const Ring& ring = w.ring;
+        Arrivals& a = w.arrivals;
+        int entries[neighbour_capacity], order[neighbour_capacity];
+        float angles[neighbour_capacity];
+        int n = 0;
+        for (int k = 0; k < ring.count; ++k)
+        {
+            entries[n] = k;
+            angles[n] = ring.angle[k];
+            n += ring.length[k] <= LocalRules::near;
+        }
+        const int old = n;
+        for (int k = 0; k < a.count; ++k)
+        {
+            entries[n] = k;
+            angles[n] = a.angle[k];
+            n += !a.is_neighbour[k] & (a.length[k] <= LocalRules::near);
+        }
+        order_by_angle(angles, n, order);
+        for (int k = 0; k < n; ++k)
+            w.neighbours[k] = {angles[order[k]], 0, entries[order[k]], order[k] >= old, false};
+        w.neighbour_count = n;
+        for (int k = old; k < n; ++k)
+            mark_neighbour(entries[k]);
+    }
+
+    void mark_neighbour(int arrival)
+    {
+        w.arrivals.is_neighbour[arrival] = true;
+        w.arrivals.reach[arrival] = std::max(LocalRules::discard_near * w.arrivals.radius[arrival], least_distance);
+    }
+
+    /// Puts an arrival where its angle belongs, without measuring gaps. \returns its place.
+    int put(int arrival)
+    {
+        const float angle = w.arrivals.angle[arrival];
         int at = w.neighbour_count++;
         for (; at > 0 && w.neighbours[at - 1].angle > angle; --at)
             w.neighbours[at] = w.neighbours[at - 1];
-        w.neighbours[at] = {angle, 0, entry, is_new, false};
-        if (is_new)
-        {
-            w.arrivals.is_neighbour[entry] = true;
-            const float reach = LocalRules::discard_near * w.arrivals.radius[entry];
-            w.arrivals.reach[entry] = std::max(reach, least_distance);
-        }
+        w.neighbours[at] = {angle, 0, arrival, true, false};
+        mark_neighbour(arrival);
         return at;
     }
 
     /// Lets an arrival join N' and measures the gaps on both sides.
     void join(int arrival, bool curved)
     {
-        const int at = put(w.arrivals.angle[arrival], arrival, true), before = at == 0 ? w.neighbour_count - 1 : at - 1;
+        const int at = put(arrival), before = at == 0 ? w.neighbour_count - 1 : at - 1;
         for (const int k : {before, at})
         {
             w.neighbours[k].gap = measure_gap(k, curved);
@@ -501,13 +534,7 @@ struct PointRefiner
             reject_other_side(c);
         fill_arrivals(w.new_points, c, least_distance, w, w.arrivals);
 
-        w.neighbour_count = 0;
-        for (int k = 0; k < ring.count; ++k)
-            if (ring.length[k] <= LocalRules::near)
-                put(ring.angle[k], k, false);
-        for (int k = 0; k < w.arrivals.count; ++k)
-            if (!w.arrivals.is_neighbour[k] && w.arrivals.length[k] <= LocalRules::near)
-                put(w.arrivals.angle[k], k, true);
+        start_neighbours();
         for (int k = 0; k < w.neighbour_count; ++k)
             w.neighbours[k].gap = measure_gap(k, accurate);
 

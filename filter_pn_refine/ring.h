@@ -30,6 +30,7 @@ struct LocalPoints
     void clear() { count = 0; }
     void reserve(int n)
     {
+        n = (n + 15) & ~15; // whole vectors are read
         if (int(x.size()) >= n)
             return;
         for (std::vector<float>* v : {&x, &y, &z, &nx, &ny, &nz, &radius, &largest_radius})
@@ -90,15 +91,15 @@ PN_INLINE float fast_angle(float x, float y)
 /// Normals of neighbours must agree at least so far, besides eq. 6.
 constexpr float least_agreement = 0.1f;
 
-/// Sorts points[0, n) into those that may be neighbours (1), those within the radius that may not (2) and the rest (0).
-/// `classes` holds at least points.count rounded up to 8; what is beyond is set to 0.
+/// Sorts the points into those that may be neighbours (1), those within the radius that may not (2) and the rest (0).
+/// `classes` and the arrays of `points` hold at least padded(points.count).
 PN_INLINE void classify_points(const LocalPoints& points, const Centre& c, std::uint8_t* classes)
 {
     const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
     const float *nx = points.nx.data(), *ny = points.ny.data(), *nz = points.nz.data();
     const float r2 = 1 / (c.inverse_radius * c.inverse_radius);
     const float same = 1e-12f * r2;
-    const int n = points.count;
+    const int n = padded(points.count);
     for (int j = 0; j < n; ++j)
     {
         const float dx = x[j] - c.x, dy = y[j] - c.y, dz = z[j] - c.z;
@@ -110,7 +111,7 @@ PN_INLINE void classify_points(const LocalPoints& points, const Centre& c, std::
         const int consistent = int(slope * slope <= limit * limit * d2) & int(agreement >= least_agreement);
         classes[j] = std::uint8_t(near * (2 - consistent));
     }
-    for (int j = n; j % 8 != 0; ++j)
+    for (int j = points.count; j < n; ++j)
         classes[j] = 0;
 }
 
@@ -314,19 +315,49 @@ PN_INLINE void measure_badness(const Ring& ring, float* badness)
     }
 }
 
+/// Order of up to `lane_count` angles without branches, by counting the lesser ones; more by insertion.
+PN_INLINE void order_by_angle(const float* angles, int n, int* order)
+{
+    if (n > lane_count)
+    {
+        for (int k = 0; k < n; ++k)
+        {
+            int place = k;
+            for (; place > 0 && angles[order[place - 1]] > angles[k]; --place)
+                order[place] = order[place - 1];
+            order[place] = k;
+        }
+        return;
+    }
+    alignas(64) float values[lane_count];
+    for (int k = 0; k < lane_count; ++k)
+        values[k] = k < n ? angles[k] : 1e9f;
+    alignas(64) std::int32_t ranks[lane_count] = {};
+    for (int k = 0; k < n; ++k)
+    {
+        const float value = values[k];
+        for (int l = 0; l < lane_count; ++l) // ties keep their order
+            ranks[l] += int(values[l] > value) | (int(values[l] == value) & int(l > k));
+    }
+    for (int k = 0; k < n; ++k)
+        order[ranks[k]] = k;
+}
+
 /// Entries that stay, sorted by angle: the triangle fan. `fan` holds at least ring.count. \returns how many.
 PN_INLINE int sort_fan(const Ring& ring, const float* badness, int* fan)
 {
+    int kept_entries[ring_capacity], order[ring_capacity];
+    float angles[ring_capacity];
     int n = 0;
     for (int k = 0; k < ring.count; ++k)
     {
-        if (badness[k] > 1)
-            continue;
-        int place = n++;
-        for (; place > 0 && ring.angle[fan[place - 1]] > ring.angle[k]; --place)
-            fan[place] = fan[place - 1];
-        fan[place] = k;
+        kept_entries[n] = k;
+        angles[n] = ring.angle[k];
+        n += !(badness[k] > 1);
     }
+    order_by_angle(angles, n, order);
+    for (int k = 0; k < n; ++k)
+        fan[k] = kept_entries[order[k]];
     // Of two normals at one position (a crease) the one that agrees more.
     int kept = 0;
     for (int k = 0; k < n; ++k)

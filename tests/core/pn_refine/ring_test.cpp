@@ -34,7 +34,7 @@ std::set<int> neighbours_of(const OrientedSamples& samples, int i, double radius
     const auto at = std::size_t(i);
     Centre c{local.x[at], local.y[at], local.z[at], {local.nx[at], local.ny[at], local.nz[at]}, {}, {}, float(1 / radius)};
     set_tangents(c);
-    std::vector<std::uint8_t> classes(samples.points.size() + 8);
+    std::vector<std::uint8_t> classes(samples.points.size() + lane_count);
     std::vector<int> hits;
     classify_points(local, c, classes.data());
     for (std::size_t j = 0; j < samples.points.size(); ++j)
