@@ -296,6 +296,7 @@ TEST(HostDocument, LengthsGoUpToTheDiagonalOfTheFinitePoints)
     model.cm.vert[1].P() = Point3m(100, 0, 0); // deleted
     model.cm.vert[2].P() = Point3m(3, 4, 0);
     model.cm.vert[3].P()[0] = std::numeric_limits<Scalarm>::quiet_NaN();
+    model.cm.vert[4].P()[1] = std::numeric_limits<Scalarm>::infinity();
     EXPECT_EQ(dynamic_cast<const RichLength&>(plugin::rich_parameters(spec, document).at(0)).max, Scalarm(5));
 }
 
