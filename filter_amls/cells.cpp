@@ -27,7 +27,7 @@ constexpr double isolated_mass = 0.15, isolated_radius = 3.7;
 constexpr int isolated_points = 6;
 constexpr double dense_mass = 0.7, lonely_mass = 0.08, detail_radius = 1; // radius in widths
 constexpr double stray_mass = 0.5, stray_share = 0.3, stray_radius = 4.5; // radius in sigmas
-constexpr double run_radius = 0.5;                                        // widths
+constexpr double run_radius = 0.9;                                        // widths
 constexpr int longest_run = 32, longest_seed_run = 64;
 
 /// Width of the plane fits: somewhat below the width of the surface, or as few points as a normal needs.

@@ -21,7 +21,7 @@ constexpr double largest_move = 0.4; // widths
 constexpr double largest_move_sigmas = 2.5;
 constexpr double enough_points = 60;  // more effective points do not raise the confidence
 constexpr double doubtful_move = 0.5; // widths
-constexpr double run_radius = 0.6;    // widths
+constexpr double run_radius = 0.9;    // widths
 constexpr int longest_run = 32;
 
 std::array<double, 6> bending_of(const QuadricFit& fit, double width, const TangentFrame& frame)

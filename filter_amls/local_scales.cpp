@@ -28,7 +28,7 @@ constexpr int pooled_seeds = 40;
 constexpr double global_share = 0.5; // weight of the mean over all seeds beside the pooled ones
 constexpr int smoothing_seeds = 15;
 constexpr double seed_reach = 0.3;  // of the distance of close seeds
-constexpr double affordable = 3000; // points per seed; beyond it fewer seeds are asked
+constexpr double affordable = 1200;         // points per seed; beyond it fewer seeds are asked
 constexpr double beyond = 1e10;     // coordinate of entries that pad the arrays
 /// The noise estimate means the length; here an estimate that is high by 10 % hides as much bias, so it is taken lower.
 constexpr double caution = 0.9;

@@ -25,7 +25,7 @@ constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
 constexpr double slack = 0.6;          // widths: how far a point may move before its anchors are gathered again
 constexpr double uneven = 1.25;        // root of the ratio of neighbouring widths
-constexpr double run_radius = 0.4;     // widths
+constexpr double run_radius = 0.65;    // widths
 constexpr int longest_run = 64;
 
 /// Anchors near a run of points, side by side for the vector units.
