@@ -1,22 +1,17 @@
 #include "reconstruct.h"
 
-#include "filter_amls/sample_surface.h"
 #include "filter_amls/smooth_mesh.h"
-#include "filter_amls/surface.h"
 
-#include <recon/cleanness.h>
 #include <recon/collapse_edges.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/neighbours.h>
-#include <recon/noise.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <utility>
 
 namespace recon
 {
@@ -35,26 +30,8 @@ void check(const NoisyPowerCrustOptions& options)
         throw InvalidInput("deep_intersection must lie between 0 (weighed in samples) and 1.");
 }
 
-/// Below this share of clean samples a cloud is denoised. Clean clouds have 0.73 and more, noisy copies and merged scans 0.62
-/// and less.
-constexpr double clean_above = 0.7;
 /// Above this share of violated votes right results were rare in trials.
 constexpr double safe_violation = 0.05;
-
-/// Distinct points in the unit frame, in spatial order: neighbours in space are neighbours in memory, and every stride is
-/// an even subset.
-struct OrderedPoints
-{
-    std::vector<int> order;
-    Points unit;
-
-    OrderedPoints(const Points& points, const UnitFrame& frame) : order(order_spatially(points).order)
-    {
-        unit.reserve(order.size() + box_corner_count);
-        for (const int i : order)
-            unit.push_back(frame.to_unit(points[i]));
-    }
-};
 
 std::vector<int> pick(const std::vector<int>& values, const std::vector<int>& indices)
 {
@@ -65,16 +42,16 @@ std::vector<int> pick(const std::vector<int>& values, const std::vector<int>& in
     return result;
 }
 
-/// Drops triangles none of whose corners and centre is within `length` of a sample.
+/// Drops triangles of which a corner, the middle of a side or the centre is farther than `length` from every sample.
 void trim(TriangleMesh& mesh, const NeighbourSearch& search, const Points& samples, double length)
 {
     std::vector<char> keep;
     for (const auto& t : mesh.triangles)
     {
         const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-        bool near = false;
-        for (const Point& p : {a, b, c, Point((a + b + c) / 3)})
-            near = near || (p - samples[search.nearest(p)]).squaredNorm() <= length * length;
+        bool near = true;
+        for (const Point& p : {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), Point((a + b + c) / 3)})
+            near = near && (p - samples[search.nearest(p)]).squaredNorm() <= length * length;
         keep.push_back(near);
     }
     keep_triangles(mesh, keep);
@@ -95,60 +72,29 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
                                               const Progress& progress)
 {
     check(options);
-    check_spans_volume(points);
-    const UnitFrame frame(points);
-
     NoisyPowerCrust result;
     PhaseTimes times;
+    SamplePreparationOptions preparation;
+    preparation.denoise = options.denoise;
+    preparation.noise = options.noise;
+    preparation.needs_surface = options.smooth;
+    preparation.threads = options.threads;
+    PreparedSamples cloud = prepare_samples(points, preparation, times, progress.part(0, 0.3, "preparation"));
+    const UnitFrame& frame = cloud.frame;
+    result.points_used = int(cloud.distinct.size());
+    result.samples = int(cloud.samples.size());
+    result.outliers = cloud.outliers;
+    result.cleanness = cloud.cleanness;
+    result.denoised = cloud.denoised;
+    result.noise = cloud.noise;
+
     BallLabellingOptions labelling;
     labelling.ball_threshold = options.ball_threshold / frame.scale();
     labelling.noise = options.noise / frame.scale();
     labelling.deep_intersection = options.deep_intersection;
     labelling.threads = resolve_threads(options.threads);
-
-    times.begin("gate");
-    const OrderedPoints ordered(points, frame);
-    const NeighbourSearch search(ordered.unit);
-    result.points_used = int(ordered.unit.size());
-    result.cleanness = measure_cleanness(ordered.unit, search, labelling.threads);
-    const bool is_noisy = result.cleanness < clean_above;
-    result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && is_noisy);
-
-    Points samples = ordered.unit;
-    Vectors normals;
-    std::optional<AmlsSurface> surface;
-    if (result.denoised || (options.smooth && is_noisy))
-    {
-        times.begin("AMLS");
-        AmlsOptions amls;
-        amls.noise = options.noise;
-        amls.threads = options.threads;
-        surface = build_amls_surface(points, amls, progress.part(0, 0.2, "AMLS surface"));
-        result.noise = surface->report().noise;
-    }
-    else
-    {
-        NoiseOptions noise_options;
-        noise_options.threads = options.threads;
-        result.noise = options.noise > 0 ? options.noise
-                                         : frame.scale() * estimate_noise(ordered.unit, noise_options).median_sigma();
-    }
-    if (result.denoised)
-    {
-        times.begin("projection");
-        SurfaceSamples sampled =
-            sample_amls_surface(points, *surface, options.threads, progress.part(0.2, 0.3, "AMLS projection"));
-        result.outliers = sampled.outliers;
-        // Too few left to span anything: then all were surface.
-        if (sampled.samples.points.size() >= 4)
-        {
-            samples = frame.to_unit(sampled.samples.points);
-            normals = std::move(sampled.samples.normals);
-        }
-    }
-    result.samples = int(samples.size());
     const LabelledBalls labelled =
-        label_polar_balls(std::move(samples), normals, labelling, times, progress.part(0.3, 0.85, "crust"));
+        label_polar_balls(std::move(cloud.samples), cloud.normals, labelling, times, progress.part(0.3, 0.85, "crust"));
     result.balls_kept = int(labelled.kept.balls.size());
     result.violated_votes = labelled.violated_votes;
     result.spacing = labelled.spacing * frame.scale();
@@ -160,7 +106,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     times.begin("crust");
     std::vector<int> ball_of_vertex;
     TriangleMesh& mesh = result.mesh;
-    mesh = extract_crust(labelled.diagram, labelled.regular, labelled.kept.balls, labelled.labels, &ball_of_vertex);
+    mesh = extract_crust(labelled.regular, labelled.labels, &ball_of_vertex);
     if (mesh.triangles.empty())
         throw AlgorithmFailure("No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
     if (options.keep_components == KeepComponents::largest)
@@ -176,21 +122,22 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         collapse_short_edges(mesh, scale, collapse);
     }
     progress.part(0.85, 0.9, "crust").report(1);
-    if (options.smooth && is_noisy)
+    if (options.smooth && cloud.is_noisy)
     {
         times.begin("smooth");
         frame.from_unit_in_place(mesh.vertices);
-        smooth_mesh(mesh, *surface, options.threads, progress.part(0.9, 0.95, "smoothing"));
+        smooth_mesh(mesh, *cloud.surface, options.threads, progress.part(0.9, 0.95, "smoothing"));
         mesh.vertices = frame.to_unit(mesh.vertices);
     }
     times.begin("finish");
+    const NeighbourSearch search(cloud.distinct);
     if (options.trim_length > 0)
-        trim(mesh, search, ordered.unit, options.trim_length / frame.scale());
+        trim(mesh, search, cloud.distinct, options.trim_length / frame.scale());
     if (mesh.triangles.empty())
         throw AlgorithmFailure("No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
     result.nearest_sample.resize(mesh.vertices.size());
     parallel_for(mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
-                 [&](std::size_t v) { result.nearest_sample[v] = ordered.order[search.nearest(mesh.vertices[v])]; });
+                 [&](std::size_t v) { result.nearest_sample[v] = cloud.order[search.nearest(mesh.vertices[v])]; });
     const Topology topology = measure_topology(mesh);
     result.components = topology.components;
     result.boundary_loops = topology.boundary_loops;

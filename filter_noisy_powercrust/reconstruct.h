@@ -1,5 +1,7 @@
 #pragma once
 
+#include "prepare_samples.h"
+
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -14,13 +16,6 @@ enum class KeepComponents
 {
     largest, ///< Only the component with the largest enclosed volume.
     all
-};
-
-enum class Denoise
-{
-    automatic, ///< Where the noise is not far below the spacing.
-    on,
-    off ///< The power crust of the points as they are, as the paper has it.
 };
 
 /// Options of reconstruct_noisy_power_crust(). Lengths are in input units.

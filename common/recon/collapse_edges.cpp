@@ -89,6 +89,8 @@ private:
 
     bool is_allowed(int a, int b)
     {
+        if (at_[a].size() + at_[b].size() > 40)
+            return false; // fans of such size are slivers again
         // Link condition on a closed manifold: the ends share just the two vertices opposite their edge, and those keep
         // three neighbours.
         list_neighbours(a, around_a_);
@@ -98,8 +100,6 @@ private:
                               std::back_inserter(common_));
         if (common_.size() != 2 || at_[common_[0]].size() <= 3 || at_[common_[1]].size() <= 3)
             return false;
-        if (around_a_.size() + around_b_.size() > 40)
-            return false; // fans of such size are slivers again
         if (squared_length(a, b) < 1e-6)
             return true; // the corners of one sample's cluster; their triangles have no direction to keep
         const Point target = target_of(a, b);

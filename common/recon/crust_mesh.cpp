@@ -51,8 +51,7 @@ void append_polygon(TriangleMesh& mesh, const std::vector<int>& polygon)
 
 } // namespace
 
-TriangleMesh extract_crust(const PowerDiagram& diagram, const Triangulation& regular, const std::vector<Ball>& balls,
-                           const std::vector<Side>& labels, std::vector<int>* ball_of_vertex)
+TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, std::vector<int>* ball_of_vertex)
 {
     TriangleMesh mesh;
     if (ball_of_vertex)
@@ -66,19 +65,7 @@ TriangleMesh extract_crust(const PowerDiagram& diagram, const Triangulation& reg
         if (outer == 0 || outer == 4)
             continue;
         vertex_of_cell[c] = int(mesh.vertices.size());
-        // Its power to the four balls should be equal; in flat cells rounding says otherwise.
-        Point centre = regular.centres[c];
-        const Ball& ball = balls[v[0]];
-        const double expected = (centre - ball.centre).squaredNorm() - ball.radius * ball.radius;
-        double error = 0;
-        for (int i = 1; i < 4; ++i)
-        {
-            const Ball& other = balls[v[i]];
-            error = std::max(error, std::abs((centre - other.centre).squaredNorm() - other.radius * other.radius - expected));
-        }
-        if (!(error <= 1e-6 * ball.radius * ball.radius))
-            centre = diagram.exact_centre(regular.cells[c]);
-        mesh.vertices.push_back(centre);
+        mesh.vertices.push_back(regular.centres[c]);
         if (ball_of_vertex)
             ball_of_vertex->push_back(v[0]);
     }

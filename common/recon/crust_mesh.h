@@ -1,7 +1,6 @@
 #pragma once
 
 #include <recon/geometry.h>
-#include <recon/power_diagram.h>
 #include <recon/signed_labelling.h>
 #include <recon/triangulation.h>
 
@@ -13,10 +12,10 @@ namespace recon
 /// The power crust: all faces of the power diagram between an inner and an outer cell (Mederos et al. 2005, algorithm 4.1
 /// step 6), turned outward, polygons split into triangles. One vertex per regular cell with both labels, never welded by
 /// coordinates, so it is a closed oriented 2-manifold by construction.
-/// \pre balls on the hull are outer. `regular` is diagram.triangulation().
+/// \param regular of the power diagram. \pre balls on its hull are outer.
 /// \returns an empty mesh if all labels are the same. `ball_of_vertex`, if given, gets a ball at each vertex.
-TriangleMesh extract_crust(const PowerDiagram& diagram, const Triangulation& regular, const std::vector<Ball>& balls,
-                           const std::vector<Side>& labels, std::vector<int>* ball_of_vertex = nullptr);
+TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels,
+                           std::vector<int>* ball_of_vertex = nullptr);
 
 /// Connected components of a mesh by shared vertices: per triangle its component, numbered in order of first triangle.
 struct MeshComponents

@@ -1,6 +1,7 @@
 #include <recon/delaunay.h>
 
 #include <recon/flatten_triangulation.h>
+#include <recon/power_centre.h>
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Delaunay_triangulation_cell_base_3.h>
@@ -54,9 +55,7 @@ Triangulation triangulate_delaunay(const Points& points, const Progress& progres
     for (int c = 0; c < flat.finite_cells; ++c)
     {
         const auto& v = flat.cells[c].vertices;
-        const std::array<Point, 4> corners = {points[v[0]], points[v[1]], points[v[2]], points[v[3]]};
-        if (!find_power_centre(corners, {0, 0, 0, 0}, flat.centres[c]))
-            flat.centres[c] = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+        flat.centres[c] = find_power_centre({points[v[0]], points[v[1]], points[v[2]], points[v[3]]}, {0, 0, 0, 0});
     }
     return flat;
 }

@@ -17,6 +17,9 @@ namespace recon
 namespace
 {
 
+/// Weight, in samples, of what leaves no doubt.
+constexpr double certain = 1e3;
+
 /// Mean over the samples that a ball touches, corners of the box left out.
 double average_over(const std::array<int, 4>& touched, const std::vector<double>& per_sample)
 {
@@ -58,6 +61,37 @@ std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& sa
                 ties.push_back({ball, Side::inner, -cosine});
         }
     return ties;
+}
+
+/// Pairs each ball that is no vertex of the diagram with the visible one that hides it, if they are nearly the same: on a
+/// sphere thousands of polar balls coincide, one is visible, and the samples' votes must reach it.
+std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, const std::vector<Ball>& balls)
+{
+    std::vector<char> is_visible(balls.size(), 0);
+    for (const auto& cell : regular.cells)
+        for (const int v : cell.vertices)
+            if (v != Triangulation::infinite)
+                is_visible[v] = 1;
+    std::vector<int> visible;
+    Points centres;
+    for (int b = 0; b < int(balls.size()); ++b)
+        if (is_visible[b])
+        {
+            visible.push_back(b);
+            centres.push_back(balls[b].centre);
+        }
+    std::vector<std::array<int, 2>> pairs;
+    if (visible.size() == balls.size())
+        return pairs;
+    const NeighbourSearch search(centres);
+    for (int b = 0; b < int(balls.size()); ++b)
+        if (!is_visible[b])
+        {
+            const int twin = visible[search.nearest(balls[b].centre)];
+            if ((balls[twin].centre - balls[b].centre).norm() < 1e-3 * balls[b].radius)
+                pairs.push_back({b, twin});
+        }
+    return pairs;
 }
 
 /// The labels with less contradicted weight of those from contraction and from the potential.
@@ -127,6 +161,11 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     graph.nodes = int(kept.balls.size());
     graph.edges = std::move(attraction.edges);
     graph.merged = std::move(attraction.merged);
+    for (const auto& pair : pair_hidden_balls(regular, kept.balls))
+    {
+        graph.merged.push_back(pair);
+        graph.edges.push_back({pair[0], pair[1], certain});
+    }
     graph.is_root = kept.is_outside;
     for (int i = 0; i < graph.nodes; ++i)
         graph.is_root[i] |= attraction.is_on_hull[i];

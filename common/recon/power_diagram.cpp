@@ -1,9 +1,9 @@
 #include <recon/power_diagram.h>
 
 #include <recon/flatten_triangulation.h>
+#include <recon/power_centre.h>
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Exact_rational.h>
 #include <CGAL/Regular_triangulation_3.h>
 #include <CGAL/Regular_triangulation_cell_base_3.h>
 #include <CGAL/Regular_triangulation_vertex_base_3.h>
@@ -13,7 +13,6 @@
 #include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
 
-#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -108,71 +107,10 @@ Triangulation PowerDiagram::triangulation() const
     for (int c = 0; c < flat.finite_cells; ++c)
     {
         const auto& v = flat.cells[c].vertices;
-        const std::array<Point, 4> corners = {r.centres[v[0]], r.centres[v[1]], r.centres[v[2]], r.centres[v[3]]};
-        const std::array<double, 4> weights = {r.weights[v[0]], r.weights[v[1]], r.weights[v[2]], r.weights[v[3]]};
-        if (!find_power_centre(corners, weights, flat.centres[c]))
-            flat.centres[c] = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+        flat.centres[c] = find_power_centre({r.centres[v[0]], r.centres[v[1]], r.centres[v[2]], r.centres[v[3]]},
+                                            {r.weights[v[0]], r.weights[v[1]], r.weights[v[2]], r.weights[v[3]]});
     }
     return flat;
-}
-
-namespace
-{
-
-/// Offset of the power centre from the first corner by Cramer's rule, in numbers of type Number.
-/// \param edges from the first corner to the other three; \param right |edge|^2 + weight of the first - weight of the other.
-/// \returns the determinant, by which `offset` is already divided unless it is 0.
-template <class Number>
-Number solve_power_centre(const Number (&edges)[3][3], const Number (&right)[3], Number (&offset)[3])
-{
-    const auto minor = [&](int i, int j, int a, int b) -> Number
-    { return edges[i][a] * edges[j][b] - edges[i][b] * edges[j][a]; };
-    const Number determinant =
-        edges[0][0] * minor(1, 2, 1, 2) - edges[0][1] * minor(1, 2, 0, 2) + edges[0][2] * minor(1, 2, 0, 1);
-    for (int k = 0; k < 3 && determinant != 0; ++k)
-    {
-        const int a = (k + 1) % 3, b = (k + 2) % 3;
-        offset[k] = (right[0] * minor(1, 2, a, b) + right[1] * minor(2, 0, a, b) + right[2] * minor(0, 1, a, b)) /
-                    (2 * determinant);
-    }
-    return determinant;
-}
-
-template <class Number>
-Number solve_power_centre(const Points& centres, const std::vector<double>& weights, const std::array<int, 4>& v,
-                          Number (&offset)[3])
-{
-    Number edges[3][3], right[3];
-    for (int i = 0; i < 3; ++i)
-    {
-        right[i] = Number(weights[v[0]]) - Number(weights[v[i + 1]]);
-        for (int k = 0; k < 3; ++k)
-        {
-            edges[i][k] = Number(centres[v[i + 1]][k]) - Number(centres[v[0]][k]);
-            right[i] += edges[i][k] * edges[i][k];
-        }
-    }
-    return solve_power_centre(edges, right, offset);
-}
-
-} // namespace
-
-Point PowerDiagram::exact_centre(const Triangulation::Cell& cell) const
-{
-    const Regular& r = *regular_;
-    const auto& v = cell.vertices;
-    Point centre = r.centres[v[0]];
-    // 113 bits settle all but a few; rationals are fifty times slower.
-    __float128 quick[3] = {};
-    const double determinant = double(solve_power_centre(r.centres, r.weights, v, quick));
-    double size = 1;
-    for (int i = 1; i < 4; ++i)
-        size *= (r.centres[v[i]] - r.centres[v[0]]).norm();
-    if (std::abs(determinant) > 1e-24 * size)
-        return centre + Vector(double(quick[0]), double(quick[1]), double(quick[2]));
-    CGAL::Exact_rational exact[3] = {0, 0, 0};
-    solve_power_centre(r.centres, r.weights, v, exact);
-    return centre + Vector(CGAL::to_double(exact[0]), CGAL::to_double(exact[1]), CGAL::to_double(exact[2]));
 }
 
 } // namespace recon

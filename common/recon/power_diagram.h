@@ -34,9 +34,6 @@ public:
     /// The dual triangulation; vertices are indices of the balls, hidden balls are vertices of no cell.
     Triangulation triangulation() const;
 
-    /// The power vertex of a cell of triangulation(), in exact arithmetic rounded once.
-    Point exact_centre(const Triangulation::Cell& cell) const;
-
 private:
     struct Regular;
     std::unique_ptr<Regular> regular_;

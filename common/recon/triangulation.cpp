@@ -1,9 +1,5 @@
 #include <recon/triangulation.h>
 
-#include <Eigen/Geometry>
-
-#include <cmath>
-
 namespace recon
 {
 namespace
@@ -59,22 +55,6 @@ CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int v
             if (v != Triangulation::infinite)
                 result.cell[next[v]++] = c;
     return result;
-}
-
-bool find_power_centre(const std::array<Point, 4>& points, const std::array<double, 4>& weights, Point& centre)
-{
-    const Vector a = points[1] - points[0], b = points[2] - points[0], c = points[3] - points[0];
-    const Vector ab = a.cross(b), bc = b.cross(c), ca = c.cross(a);
-    const double determinant = a.dot(bc);
-    // A volume below what cancellation leaves of the products means a flat cell.
-    const double size = a.norm() * b.norm() * c.norm();
-    if (!(std::abs(determinant) > 1e-13 * size))
-        return false;
-    const double da = a.squaredNorm() - weights[1] + weights[0];
-    const double db = b.squaredNorm() - weights[2] + weights[0];
-    const double dc = c.squaredNorm() - weights[3] + weights[0];
-    centre = points[0] + (da * bc + db * ca + dc * ab) / (2 * determinant);
-    return true;
 }
 
 } // namespace recon

@@ -32,7 +32,7 @@ struct Triangulation
     std::vector<Cell> cells;
     int finite_cells = 0;
     /// Per finite cell the point of equal power to its vertices (Delaunay: its circumcentre): a vertex of the Voronoi or
-    /// power diagram. Computed in double; cells flatter than that resolves have it at their centroid.
+    /// power diagram.
     Points centres;
 
     bool is_finite(int cell) const { return cell < finite_cells; }
@@ -53,8 +53,5 @@ struct CellsAtVertices
     std::vector<int> cell;
 };
 CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count);
-
-/// Point of equal power to four weighted points, in double. \returns false if they are too flat for that.
-bool find_power_centre(const std::array<Point, 4>& points, const std::array<double, 4>& weights, Point& centre);
 
 } // namespace recon

@@ -124,7 +124,7 @@ TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
             for (const int v : regular.cells[c].vertices)
                 if (v >= 0)
                     labels[v] = Side::outer;
-        const TriangleMesh mesh = extract_crust(diagram, regular, kept.balls, labels);
+        const TriangleMesh mesh = extract_crust(regular, labels);
         const checks::MeshReport report = checks::examine_mesh(mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_EQ(report.unreferenced_vertices, 0);
@@ -198,11 +198,11 @@ TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)
     std::vector<double> margins(balls.size(), 1);
     for (int z = 0; z <= steps; ++z)
         labels[index(7, 7, z)] = Side::outer;
-    ASSERT_EQ(checks::examine_mesh(extract_crust(diagram, regular, balls, labels)).genus(), 1);
+    ASSERT_EQ(checks::examine_mesh(extract_crust(regular, labels)).genus(), 1);
     EXPECT_EQ(cut_handles(regular, is_root, is_small, margins, {}, labels), 0) << "certain balls stay";
     margins[index(7, 7, 7)] = 0.2;
     EXPECT_EQ(cut_handles(regular, is_root, is_small, margins, {}, labels), 1);
-    EXPECT_EQ(checks::examine_mesh(extract_crust(diagram, regular, balls, labels)).genus(), 0);
+    EXPECT_EQ(checks::examine_mesh(extract_crust(regular, labels)).genus(), 0);
 }
 
 TEST(OppositeVotes, CrossASlabOfNoise)

@@ -1,0 +1,257 @@
+#include "medial_axis.h"
+
+#include <recon/errors.h>
+#include <recon/labelled_balls.h>
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace recon
+{
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+
+void check(const PowerShapeOptions& options)
+{
+    if (!(options.ball_threshold >= 0) || !std::isfinite(options.ball_threshold))
+        throw InvalidInput("ball_threshold must be 0 (automatic) or a positive length.");
+    if (!(options.noise >= 0) || !std::isfinite(options.noise))
+        throw InvalidInput("noise must be 0 (estimate) or a positive length.");
+    if (!(options.object_angle >= 0 && options.object_angle <= 180))
+        throw InvalidInput("object_angle must lie between 0 and 180 degrees.");
+    if (!(options.redundancy >= 0 && options.redundancy <= 1))
+        throw InvalidInput("redundancy must lie between 0 (keep all) and 1.");
+}
+
+/// Cosine of the largest angle between two of the samples that a ball touches, seen from its centre.
+double cosine_of_object_angle(const Ball& ball, const std::array<int, 4>& touched, const Points& samples)
+{
+    double lowest = 1;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < i; ++j)
+            if (touched[i] < int(samples.size()) && touched[j] < int(samples.size()))
+                lowest = std::min(lowest, (samples[touched[i]] - ball.centre)
+                                              .normalized()
+                                              .dot((samples[touched[j]] - ball.centre).normalized()));
+    return lowest;
+}
+
+/// Greedy cover: largest first, drops each ball that sticks out of one that is kept by less than `redundancy` radii.
+std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vector<int>& candidates, double redundancy)
+{
+    std::vector<int> order = candidates;
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return balls[a].radius != balls[b].radius ? balls[a].radius > balls[b].radius : a < b; });
+    Points centres;
+    for (const int b : order)
+        centres.push_back(balls[b].centre);
+    const NeighbourSearch search(centres);
+    std::vector<char> dropped(order.size(), 0);
+    std::vector<int> around, result;
+    for (std::size_t k = 0; k < order.size(); ++k)
+    {
+        if (dropped[k])
+            continue;
+        const Ball& large = balls[order[k]];
+        // A covered ball's centre lies within this reach: d + r - R <= redundancy r.
+        search.within(large.centre, large.radius, around);
+        for (const int j : around)
+        {
+            const Ball& small = balls[order[j]];
+            if (j > int(k) && !dropped[j] &&
+                (small.centre - large.centre).norm() + small.radius - large.radius <= redundancy * small.radius)
+            {
+                dropped[j] = 1;
+                result.push_back(order[j]);
+            }
+        }
+    }
+    return result;
+}
+
+struct UnionMeasure
+{
+    double volume = 0, area = 0;
+};
+
+/// Volume and area of the union of the balls with is_member, by the divergence theorem over directions of a Fibonacci sphere:
+/// a point of a ball's sphere is on the union's boundary if no neighbouring member holds it. \pre the balls without the others
+/// are those of `diagram`.
+UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>& balls, const std::vector<char>& is_member,
+                           int threads)
+{
+    constexpr int directions = 256;
+    std::vector<Vector> sphere;
+    for (int k = 0; k < directions; ++k)
+    {
+        const double z = 1 - (2 * k + 1.0) / directions, angle = pi * (3 - std::sqrt(5.0)) * k, r = std::sqrt(1 - z * z);
+        sphere.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+    }
+    const CellsAtVertices at = list_cells_at_vertices(regular, int(balls.size()));
+    std::vector<UnionMeasure> parts(balls.size());
+    parallel_for(balls.size(), threads, {},
+                 [&](std::size_t i)
+                 {
+                     if (!is_member[i])
+                         return;
+                     std::vector<int> neighbours;
+                     for (int k = at.first[i]; k < at.first[i + 1]; ++k)
+                         for (const int v : regular.cells[at.cell[k]].vertices)
+                             if (v != int(i) && v != Triangulation::infinite && is_member[v])
+                                 neighbours.push_back(v);
+                     std::sort(neighbours.begin(), neighbours.end());
+                     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+                     const Ball& ball = balls[i];
+                     const double weight = 4 * pi * ball.radius * ball.radius / directions;
+                     for (const Vector& u : sphere)
+                     {
+                         const Point p = ball.centre + ball.radius * u;
+                         bool on_boundary = true;
+                         for (const int j : neighbours)
+                             on_boundary =
+                                 on_boundary && (p - balls[j].centre).squaredNorm() >= balls[j].radius * balls[j].radius;
+                         if (on_boundary)
+                         {
+                             parts[i].area += weight;
+                             parts[i].volume += weight * p.dot(u) / 3;
+                         }
+                     }
+                 });
+    UnionMeasure sum;
+    for (const UnionMeasure& part : parts)
+    {
+        sum.area += part.area;
+        sum.volume += part.volume;
+    }
+    return sum;
+}
+
+/// Triangles and loose edges of the regular triangulation all of whose ends are wanted and on one side.
+void list_simplices(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<int>& number,
+                    PowerShape& shape)
+{
+    const auto joined = [&](int a, int b)
+    { return a >= 0 && b >= 0 && number[a] >= 0 && number[b] >= 0 && labels[a] == labels[b]; };
+    const auto edge = [&](int a, int b) -> std::array<int, 2>
+    { return {std::min(number[a], number[b]), std::max(number[a], number[b])}; };
+    std::vector<std::array<int, 2>> in_triangles, all;
+    for (int c = 0; c < int(regular.cells.size()); ++c)
+    {
+        const auto& v = regular.cells[c].vertices;
+        for (int i = 0; i < 4; ++i)
+        {
+            for (int j = 0; j < i; ++j)
+                if (joined(v[i], v[j]))
+                    all.push_back(edge(v[i], v[j]));
+            const int a = v[(i + 1) % 4], b = v[(i + 2) % 4], d = v[(i + 3) % 4];
+            if (regular.cells[c].neighbours[i] < c || !joined(a, b) || !joined(b, d))
+                continue;
+            shape.triangles.push_back({number[a], number[b], number[d]});
+            in_triangles.insert(in_triangles.end(), {edge(a, b), edge(b, d), edge(d, a)});
+        }
+    }
+    for (auto* edges : {&in_triangles, &all})
+    {
+        std::sort(edges->begin(), edges->end());
+        edges->erase(std::unique(edges->begin(), edges->end()), edges->end());
+    }
+    std::set_difference(all.begin(), all.end(), in_triangles.begin(), in_triangles.end(), std::back_inserter(shape.edges));
+}
+
+} // namespace
+
+PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& options, const Progress& progress)
+{
+    check(options);
+    PowerShape shape;
+    PhaseTimes times;
+    SamplePreparationOptions preparation;
+    preparation.denoise = options.denoise;
+    preparation.noise = options.noise;
+    preparation.threads = options.threads;
+    const PreparedSamples cloud = prepare_samples(points, preparation, times, progress.part(0, 0.3, "preparation"));
+    const UnitFrame& frame = cloud.frame;
+    shape.points_used = int(cloud.distinct.size());
+    shape.denoised = cloud.denoised;
+    shape.noise = cloud.noise;
+
+    BallLabellingOptions labelling;
+    labelling.ball_threshold = options.ball_threshold / frame.scale();
+    labelling.noise = options.noise / frame.scale();
+    labelling.threads = resolve_threads(options.threads);
+    LabelledBalls labelled =
+        label_polar_balls(cloud.samples, cloud.normals, labelling, times, progress.part(0.3, 0.9, "polar balls"));
+    shape.spacing = labelled.spacing * frame.scale();
+    shape.violated_votes = labelled.violated_votes;
+
+    times.begin("power shape");
+    const std::vector<Ball>& balls = labelled.kept.balls;
+    std::vector<char> is_visible(balls.size(), 0);
+    for (const auto& cell : labelled.regular.cells)
+        for (const int v : cell.vertices)
+            if (v != Triangulation::infinite)
+                is_visible[v] = 1;
+    // Balls around the box have no sample of the shape's other side: they are no part of an outer medial axis.
+    std::vector<int> wanted, dropped;
+    const double highest_cosine = std::cos(options.object_angle * pi / 180);
+    for (int b = 0; b < int(balls.size()); ++b)
+    {
+        const bool inner = labelled.labels[b] == Side::inner;
+        const bool of_side = options.side == MedialSide::both || inner == (options.side == MedialSide::inner);
+        if (!is_visible[b] || !of_side || labelled.kept.is_outside[b])
+            continue;
+        if (cosine_of_object_angle(balls[b], labelled.kept.touched[b], cloud.samples) <= highest_cosine)
+            wanted.push_back(b);
+        else
+            dropped.push_back(b);
+    }
+    if (options.redundancy > 0)
+    {
+        const std::vector<int> redundant = find_redundant(balls, wanted, options.redundancy);
+        std::vector<char> gone(balls.size(), 0);
+        for (const int b : redundant)
+            gone[b] = 1;
+        wanted.erase(std::remove_if(wanted.begin(), wanted.end(), [&](int b) { return gone[b] != 0; }), wanted.end());
+        dropped.insert(dropped.end(), redundant.begin(), redundant.end());
+    }
+    if (wanted.empty())
+        throw AlgorithmFailure("No polar ball is left on that side. Lower ball_threshold and object_angle.");
+    std::vector<char> is_inner(balls.size(), 0);
+    for (const int b : wanted)
+        is_inner[b] = labelled.labels[b] == Side::inner;
+    const bool has_inner = std::any_of(is_inner.begin(), is_inner.end(), [](char c) { return c != 0; });
+    if (!dropped.empty())
+    {
+        labelled.diagram.remove(dropped);
+        labelled.regular = labelled.diagram.triangulation();
+    }
+    if (has_inner)
+    {
+        const UnionMeasure measure = measure_union(labelled.regular, balls, is_inner, labelling.threads);
+        shape.union_volume = measure.volume * std::pow(frame.scale(), 3);
+        shape.union_area = measure.area * std::pow(frame.scale(), 2);
+    }
+    std::vector<int> number(balls.size(), -1);
+    const NeighbourSearch search(cloud.distinct);
+    for (const int b : wanted)
+    {
+        number[b] = int(shape.centres.size());
+        shape.centres.push_back(frame.from_unit(balls[b].centre));
+        shape.radii.push_back(balls[b].radius * frame.scale());
+        shape.is_inner.push_back(is_inner[b]);
+        shape.nearest_sample.push_back(cloud.order[search.nearest(balls[b].centre)]);
+        shape.largest_radius = std::max(shape.largest_radius, shape.radii.back());
+    }
+    list_simplices(labelled.regular, labelled.labels, number, shape);
+    times.end();
+    progress.report(1);
+    shape.seconds = times.seconds();
+    return shape;
+}
+
+} // namespace recon

@@ -1,0 +1,80 @@
+#include "prepare_samples.h"
+
+#include "filter_amls/sample_surface.h"
+
+#include <recon/cleanness.h>
+#include <recon/neighbours.h>
+#include <recon/noise.h>
+#include <recon/parallel.h>
+#include <recon/spatial_order.h>
+
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// Below this share of clean samples a cloud is denoised. Clean clouds have 0.73 and more, noisy copies and merged scans 0.62
+/// and less.
+constexpr double clean_above = 0.7;
+
+} // namespace
+
+PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
+                                const Progress& progress)
+{
+    times.begin("gate");
+    check_spans_volume(points);
+    PreparedSamples result(points);
+    result.order = order_spatially(points).order;
+    // Sorted, so that neither the order of the input nor equal points have a say in what follows.
+    Points sorted;
+    for (const int i : result.order)
+    {
+        sorted.push_back(points[i]);
+        result.distinct.push_back(result.frame.to_unit(points[i]));
+    }
+    result.cleanness =
+        measure_cleanness(result.distinct, NeighbourSearch(result.distinct), resolve_threads(options.threads));
+    result.is_noisy = result.cleanness < clean_above;
+    result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);
+
+    if (result.denoised || (options.needs_surface && result.is_noisy))
+    {
+        times.begin("AMLS");
+        AmlsOptions amls;
+        amls.noise = options.noise;
+        amls.threads = options.threads;
+        result.surface = build_amls_surface(sorted, amls, progress.part(0, 0.7, "AMLS surface"));
+        result.noise = result.surface->report().noise;
+    }
+    else if (options.noise > 0)
+        result.noise = options.noise;
+    else
+    {
+        NoiseOptions noise_options;
+        noise_options.threads = options.threads;
+        result.noise = estimate_noise(sorted, noise_options, progress.part(0, 0.7, "noise")).median_sigma();
+    }
+    if (result.denoised)
+    {
+        times.begin("projection");
+        SurfaceSamples sampled =
+            sample_amls_surface(sorted, *result.surface, options.threads, progress.part(0.7, 1, "AMLS projection"));
+        result.outliers = sampled.outliers;
+        result.samples = result.frame.to_unit(sampled.samples.points);
+        result.normals = std::move(sampled.samples.normals);
+    }
+    // Too few left to span anything: then all were surface.
+    if (result.samples.size() < 4)
+    {
+        result.denoised = false;
+        result.samples = result.distinct;
+        result.normals.clear();
+    }
+    times.end();
+    return result;
+}
+
+} // namespace recon

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "filter_amls/surface.h"
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <optional>
+#include <vector>
+
+namespace recon
+{
+
+enum class Denoise
+{
+    automatic, ///< Where the noise is not far below the spacing.
+    on,
+    off ///< The points as they are, as the paper has it.
+};
+
+/// Options of prepare_samples(). Lengths are in input units.
+struct SamplePreparationOptions
+{
+    Denoise denoise = Denoise::automatic;
+    double noise = 0;          ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
+    bool needs_surface = false; ///< Make the AMLS surface of a noisy cloud even if the samples are not projected.
+    int threads = 0;           ///< 0 = all cores.
+};
+
+/// A cloud made ready for label_polar_balls().
+struct PreparedSamples
+{
+    explicit PreparedSamples(const Points& points) : frame(points) {}
+
+    UnitFrame frame;
+    std::vector<int> order;             ///< Input index of each distinct point, in spatial order.
+    Points distinct;                    ///< Those points in the unit frame.
+    double cleanness = 0;               ///< Share of points that look free of noise [0..1].
+    bool is_noisy = false;              ///< What the gate found.
+    bool denoised = false;              ///< Whether `samples` are projected and thinned.
+    std::optional<AmlsSurface> surface; ///< Of a cloud that is noisy or denoised.
+    Points samples;                     ///< In the unit frame: `distinct`, or cleaned.
+    Vectors normals;                    ///< Outward, one per sample if denoised, else empty.
+    int outliers = 0;                   ///< Points left out [count].
+    double noise = 0;                   ///< Standard deviation, given or estimated [input units].
+};
+
+/// Sorts the points, tells whether they are noisy, and if so projects them onto their AMLS surface and thins them.
+/// \throws InvalidInput for points that do not span a volume or are not finite. \throws Cancelled.
+PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
+                                const Progress& progress = {});
+
+} // namespace recon

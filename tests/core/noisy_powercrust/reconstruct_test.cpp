@@ -1,0 +1,301 @@
+#include "filter_noisy_powercrust/reconstruct.h"
+
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <recon/errors.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+using namespace recon;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+
+struct Case
+{
+    const char* name;
+    Points points;
+    int genus;
+    double volume;
+    std::function<double(const Point&)> distance;
+};
+
+/// Shapes of known volume and genus, without noise and as noisy copies.
+std::vector<Case> cases()
+{
+    std::vector<Case> result;
+    for (const double sigma : {0.0, 0.02})
+    {
+        const auto cloud = [&](const OrientedSamples& samples)
+        { return sigma > 0 ? shapes::with_noisy_copies(samples.points, sigma, 4, 9) : samples.points; };
+        result.push_back({"sphere", cloud(shapes::sphere(3000, 1, 1)), 0, 4 * pi / 3,
+                          [](const Point& p) { return shapes::distance_to_sphere(p, 1); }});
+        result.push_back({"torus", cloud(shapes::torus(5000, 1, 0.35, 2)), 1, 2 * pi * pi * 0.35 * 0.35,
+                          [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.35); }});
+        result.push_back({"box", cloud(shapes::box(6000, Vector(2, 1.5, 1), 3)), 0, 3,
+                          [](const Point& p) { return shapes::distance_to_box(p, Vector(2, 1.5, 1)); }});
+        result.push_back({"capsule", cloud(shapes::capsule(4000, 0.4, 1, 4)), 0, pi * 0.16 * (2 + 4.0 / 3 * 0.4),
+                          [](const Point& p) { return shapes::distance_to_capsule(p, 0.4, 1); }});
+    }
+    return result;
+}
+
+std::vector<NoisyPowerCrustOptions> variants()
+{
+    std::vector<NoisyPowerCrustOptions> result(4);
+    result[1].denoise = Denoise::off;
+    result[2].denoise = Denoise::on;
+    result[3].smooth = result[3].simplify = false;
+    return result;
+}
+
+double rms(const TriangleMesh& mesh, const std::function<double(const Point&)>& distance)
+{
+    double sum = 0;
+    for (const Point& p : mesh.vertices)
+        sum += distance(p) * distance(p);
+    return std::sqrt(sum / double(mesh.vertices.size()));
+}
+
+} // namespace
+
+TEST(NoisyPowerCrust, IsClosedOrientedAndOfTheRightGenus)
+{
+    for (const Case& c : cases())
+        for (const NoisyPowerCrustOptions& options : variants())
+        {
+            SCOPED_TRACE(c.name);
+            const NoisyPowerCrust crust = reconstruct_noisy_power_crust(c.points, options);
+            const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+            EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+            EXPECT_EQ(report.unreferenced_vertices, 0);
+            EXPECT_EQ(report.components, 1);
+            EXPECT_EQ(report.genus(), c.genus);
+            EXPECT_NEAR(report.volume, c.volume, 0.04 * c.volume);
+            EXPECT_EQ(crust.components, report.components);
+            EXPECT_EQ(crust.euler_characteristic, report.euler_characteristic);
+            EXPECT_EQ(crust.genus, report.genus());
+            EXPECT_LT(crust.violated_votes, 0.05);
+            EXPECT_TRUE(crust.warnings.empty());
+            ASSERT_EQ(crust.nearest_sample.size(), crust.mesh.vertices.size());
+            for (const int i : crust.nearest_sample)
+                ASSERT_TRUE(i >= 0 && i < int(c.points.size()));
+            EXPECT_LT(rms(crust.mesh, c.distance), 0.02);
+        }
+}
+
+TEST(NoisyPowerCrust, DenoisesOnlyWhatIsNoisy)
+{
+    for (const Case& c : cases())
+    {
+        SCOPED_TRACE(c.name);
+        const bool noisy = c.points.size() > 8000;
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(c.points);
+        EXPECT_EQ(crust.denoised, noisy);
+        NoisyPowerCrustOptions raw;
+        raw.denoise = Denoise::off;
+        raw.smooth = false;
+        if (crust.denoised)
+        {
+            // At least as accurate as the points as they are: half the error.
+            EXPECT_LT(rms(crust.mesh, c.distance), 0.6 * rms(reconstruct_noisy_power_crust(c.points, raw).mesh, c.distance));
+        }
+        EXPECT_LE(crust.mesh.triangles.size(), 2.1 * crust.samples);
+    }
+}
+
+TEST(NoisyPowerCrust, DependsNeitherOnThreadsNorOnOrderNorOnTheRun)
+{
+    const Points points = shapes::with_noisy_copies(shapes::torus(3000, 1, 0.4, 5).points, 0.02, 4, 6);
+    NoisyPowerCrustOptions options;
+    options.threads = 1;
+    const NoisyPowerCrust one = reconstruct_noisy_power_crust(points, options);
+    for (const int threads : {1, 2, 3})
+    {
+        options.threads = threads;
+        Points shuffled = points;
+        if (threads == 3)
+            std::reverse(shuffled.begin(), shuffled.end());
+        const NoisyPowerCrust other = reconstruct_noisy_power_crust(shuffled, options);
+        ASSERT_EQ(one.mesh.vertices.size(), other.mesh.vertices.size());
+        EXPECT_TRUE(std::equal(one.mesh.vertices.begin(), one.mesh.vertices.end(), other.mesh.vertices.begin()));
+        EXPECT_EQ(one.mesh.triangles, other.mesh.triangles);
+    }
+}
+
+TEST(NoisyPowerCrust, IsTheSameAtAnyOffsetAndScale)
+{
+    const Points points = shapes::with_noisy_copies(shapes::torus(2000, 1, 0.4, 5).points, 0.01, 4, 6);
+    const NoisyPowerCrust expected = reconstruct_noisy_power_crust(points);
+    for (const auto& [scale, offset] : {std::pair(1.0, 5e6), std::pair(1e-6, 0.0), std::pair(1e-30, 0.0), std::pair(1e30, 0.0)})
+    {
+        Points moved = points;
+        for (Point& p : moved)
+            p = scale * p + Point::Constant(offset);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(moved);
+        EXPECT_EQ(crust.euler_characteristic, expected.euler_characteristic);
+        EXPECT_EQ(crust.denoised, expected.denoised);
+        EXPECT_NEAR(crust.noise / scale, expected.noise, 0.01 * expected.noise);
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume / std::pow(scale, 3), checks::examine_mesh(expected.mesh).volume,
+                    0.002);
+    }
+}
+
+TEST(NoisyPowerCrust, DuplicatesAndOutliersChangeLittle)
+{
+    const Points clean = shapes::with_noisy_copies(shapes::sphere(3000, 1, 5).points, 0.01, 4, 6);
+    Points spoilt = clean;
+    for (int copy = 0; copy < 2; ++copy)
+        spoilt.insert(spoilt.end(), clean.begin(), clean.begin() + 2000);
+    const NoisyPowerCrust same = reconstruct_noisy_power_crust(spoilt), expected = reconstruct_noisy_power_crust(clean);
+    EXPECT_EQ(same.points_used, expected.points_used);
+    EXPECT_EQ(same.mesh.triangles, expected.mesh.triangles);
+
+    for (const Point& p : shapes::with_noise(shapes::sphere(150, 1.3, 7).points, 0.4, 8))
+        spoilt.push_back(p);
+    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(spoilt).mesh);
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 0);
+    EXPECT_NEAR(report.volume, 4 * pi / 3, 0.05 * 4 * pi / 3);
+}
+
+TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
+{
+    Points points = shapes::sphere(3000, 1, 5).points;
+    for (const Point& p : shapes::sphere(1500, 0.5, 6).points)
+        points.push_back(p + Point(4, 0, 0));
+    NoisyPowerCrustOptions options;
+    EXPECT_EQ(reconstruct_noisy_power_crust(points, options).components, 1);
+    options.keep_components = KeepComponents::all;
+    const NoisyPowerCrust both = reconstruct_noisy_power_crust(points, options);
+    EXPECT_EQ(both.components, 2);
+    EXPECT_NEAR(checks::examine_mesh(both.mesh).volume, 4 * pi / 3 * 1.125, 0.1);
+}
+
+TEST(NoisyPowerCrust, ClosesAHoleOfTheScanAndTrimsItWhenAsked)
+{
+    Points points;
+    for (const Point& p : shapes::sphere(6000, 1, 5).points)
+        if (p.z() < 0.7)
+            points.push_back(p);
+    const NoisyPowerCrust closed = reconstruct_noisy_power_crust(points);
+    EXPECT_EQ(closed.genus, 0);
+    EXPECT_EQ(closed.boundary_loops, 0);
+    EXPECT_GT(checks::examine_mesh(closed.mesh).volume, 0.9 * 4 * pi / 3);
+    NoisyPowerCrustOptions options;
+    options.trim_length = 0.15;
+    const NoisyPowerCrust open = reconstruct_noisy_power_crust(points, options);
+    EXPECT_EQ(open.boundary_loops, 1);
+    EXPECT_EQ(open.genus, 0);
+    EXPECT_FALSE(checks::examine_mesh(open.mesh).closed);
+    EXPECT_TRUE(checks::examine_mesh(open.mesh).consistently_oriented);
+}
+
+TEST(NoisyPowerCrust, PapersRuleAndFixedThresholdWork)
+{
+    const Points points = shapes::torus(4000, 1, 0.4, 5).points;
+    NoisyPowerCrustOptions options;
+    options.denoise = Denoise::off;
+    options.deep_intersection = std::cos(pi / 4);
+    options.ball_threshold = 0.1;
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points, options);
+    EXPECT_GE(crust.smallest_ball, 0.1 * (1 - 1e-12));
+    EXPECT_EQ(crust.genus, 1);
+    options.noise = 0.01;
+    EXPECT_EQ(reconstruct_noisy_power_crust(points, options).noise, 0.01);
+}
+
+TEST(NoisyPowerCrust, RefusesWhatItCannotUse)
+{
+    const auto message = [](const Points& points, const NoisyPowerCrustOptions& options = {}) -> std::string
+    {
+        try
+        {
+            reconstruct_noisy_power_crust(points, options);
+        }
+        catch (const std::exception& e)
+        {
+            return e.what();
+        }
+        return "";
+    };
+    const Points sphere = shapes::sphere(300, 1, 1).points;
+    const auto says = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+    EXPECT_TRUE(says(message({}), "points"));
+    EXPECT_TRUE(says(message(Points(3, Point(1, 2, 3))), "at least 4"));
+    EXPECT_TRUE(says(message(Points(30, Point(1, 2, 3))), "equal"));
+    Points line, plane, broken = sphere;
+    for (int i = 0; i < 30; ++i)
+    {
+        line.push_back(i * Point(1, 2, 3));
+        plane.push_back(Point(i % 6, i / 6, 0));
+    }
+    EXPECT_TRUE(says(message(line), "line"));
+    EXPECT_TRUE(says(message(plane), "plane"));
+    broken[7].y() = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_TRUE(says(message(broken), "Vertex 7"));
+    NoisyPowerCrustOptions options;
+    options.ball_threshold = 50;
+    EXPECT_TRUE(says(message(sphere, options), "ball_threshold"));
+    for (const auto& spoil : std::vector<std::function<void(NoisyPowerCrustOptions&)>>{
+             [](auto& o) { o.ball_threshold = -1; }, [](auto& o) { o.noise = -1; }, [](auto& o) { o.deep_intersection = 1.5; },
+             [](auto& o) { o.trim_length = -1; }, [](auto& o) { o.threads = -2; }})
+    {
+        NoisyPowerCrustOptions bad;
+        spoil(bad);
+        EXPECT_THROW(reconstruct_noisy_power_crust(sphere, bad), InvalidInput);
+    }
+}
+
+TEST(NoisyPowerCrust, FewPointsGiveAResultOrAClearError)
+{
+    for (int n = 4; n < 40; n += 3)
+    {
+        SCOPED_TRACE(n);
+        try
+        {
+            const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::sphere(n, 1, std::uint64_t(n)).points);
+            EXPECT_TRUE(checks::examine_mesh(crust.mesh).is_closed_oriented_manifold());
+        }
+        catch (const AlgorithmFailure& e)
+        {
+            EXPECT_NE(std::string(e.what()).find("ball"), std::string::npos);
+        }
+    }
+}
+
+TEST(NoisyPowerCrust, ReportsProgressAndStopsAnywhere)
+{
+    const Points points = shapes::with_noisy_copies(shapes::torus(1500, 1, 0.4, 5).points, 0.02, 4, 6);
+    NoisyPowerCrustOptions options;
+    options.threads = 1; // more share the work, and with it the reports, differently each time
+    double last = -1;
+    int calls = 0;
+    reconstruct_noisy_power_crust(points, options,
+                                  Progress([&](double fraction, const std::string& phase)
+                                           {
+                                               EXPECT_GE(fraction, last);
+                                               EXPECT_LE(fraction, 1);
+                                               EXPECT_FALSE(phase.empty());
+                                               last = fraction;
+                                               ++calls;
+                                               return true;
+                                           }));
+    EXPECT_GT(last, 0.95);
+    ASSERT_GT(calls, 10);
+    for (int stop = 1; stop < calls; stop += std::max(1, calls / 12))
+    {
+        int seen = 0;
+        const Progress progress([&](double, const std::string&) { return ++seen < stop; });
+        EXPECT_THROW(reconstruct_noisy_power_crust(points, options, progress), Cancelled);
+    }
+}
