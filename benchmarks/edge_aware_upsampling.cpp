@@ -9,7 +9,7 @@
 namespace benchmarks
 {
 
-EdgeAwareUpsampling upsample_edge_aware(const recon::OrientedSamples& input, int count, double edge_sensitivity)
+EdgeAwareUpsampling upsample_edge_aware(const recon::OrientedSamples& input, int count)
 {
     using Kernel = CGAL::Simple_cartesian<double>;
     using PointWithNormal = std::pair<Kernel::Point_3, Kernel::Vector_3>;
@@ -26,7 +26,7 @@ EdgeAwareUpsampling upsample_edge_aware(const recon::OrientedSamples& input, int
         points, std::back_inserter(appended),
         CGAL::parameters::point_map(CGAL::First_of_pair_property_map<PointWithNormal>())
             .normal_map(CGAL::Second_of_pair_property_map<PointWithNormal>())
-            .edge_sensitivity(edge_sensitivity)
+            .edge_sensitivity(0)
             .number_of_output_points(std::size_t(count)));
     EdgeAwareUpsampling result;
     result.cpu_seconds = cpu_seconds() - start;

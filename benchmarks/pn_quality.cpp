@@ -59,15 +59,15 @@ int main(int argc, char** argv)
     if (models.empty())
         models = {"igea", "rocker_arm", "bunny_closed", "horse", "elephant_refined", "maxplanck_closed_10k"};
 
-    std::printf("%-20s %8s | %7s %7s %6s %5s %5s | %7s %6s | %7s %7s\n", "model", "points", "RMS %", "max %", ">0.5%", "gap",
-                "pair", "plain", "ratio", "CGAL %", "CGAL 0");
+    std::printf("%-20s %8s | %7s %7s %6s %5s %5s | %7s %6s | %7s\n", "model", "points", "RMS %", "max %", ">0.5%", "gap",
+                "pair", "plain", "ratio", "CGAL %");
     for (const std::string& name : models)
     {
         const Model model = load_model(std::string(argv[1]) + "/" + name + ".ply");
         const MeshDistance distance(model.mesh);
         const recon::OrientedSamples surface = sample_mesh(model.mesh, 100000, 99);
         const double area = surface_area(model.mesh), percent = 100 / model.diagonal;
-        std::vector<double> count, rms, largest, beyond, gap, pair, plain, cgal, cgal_smooth;
+        std::vector<double> count, rms, largest, beyond, gap, pair, plain, cgal;
         for (int seed = 1; seed <= seeds; ++seed)
         {
             const recon::OrientedSamples input = sample_mesh(model.mesh, samples, std::uint64_t(seed));
@@ -86,19 +86,15 @@ int main(int argc, char** argv)
             pair.push_back(closest_pair(input, refined.points) / spacing);
             plain.push_back(distance.summarise(recon::interpolate(refined, input.points)).rms * percent);
             if (with_cgal)
-                for (const double sensitivity : {1.0, 0.0})
-                    (sensitivity > 0 ? cgal : cgal_smooth)
-                        .push_back(distance.summarise(
-                                               upsample_edge_aware(input, int(all.points.size()), sensitivity).appended.points)
-                                       .rms *
-                                   percent);
+                cgal.push_back(
+                    distance.summarise(upsample_edge_aware(input, int(all.points.size())).appended.points).rms * percent);
             if (seed == 1 && !output.empty())
                 save_ply(output + "/" + name + ".ply", all.points, all.normals);
         }
         std::printf("%-20s %8.0f | %7.4f %7.3f %6.0f %5.2f %5.3f | %7.4f %6.3f |", name.c_str(), median(count), median(rms),
                     median(largest), median(beyond), median(gap), median(pair), median(plain), median(rms) / median(plain));
         if (with_cgal)
-            std::printf(" %7.4f %7.4f", median(cgal), median(cgal_smooth));
+            std::printf(" %7.4f", median(cgal));
         std::printf("\n");
         std::fflush(stdout);
     }
