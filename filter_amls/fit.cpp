@@ -15,7 +15,7 @@ namespace
 {
 
 constexpr double fit_cut = 2.6;      // widths
-constexpr double robust_sigmas = 2;  // residuals beyond it lose weight in the second fit
+constexpr double robust_sigmas = 1.2;  // residuals beyond it lose weight in the second fit
 constexpr double largest_turn = 0.5; // cosine
 constexpr double largest_move = 0.4; // widths
 constexpr double largest_move_sigmas = 2.5;

@@ -31,7 +31,7 @@ constexpr double seed_reach = 0.3;  // of the distance of close seeds
 constexpr double affordable = 1200;         // points per seed; beyond it fewer seeds are asked
 constexpr double beyond = 1e10;     // coordinate of entries that pad the arrays
 /// The noise estimate means the length; here an estimate that is high by 10 % hides as much bias, so it is taken lower.
-constexpr double caution = 0.9;
+constexpr double caution = 0.85;
 /// A cloud without noise still needs a unit in which to weigh the bias [share of the spacing].
 constexpr double least_sigma = 0.01;
 
