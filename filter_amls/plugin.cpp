@@ -2,6 +2,7 @@
 #include "local_feature_size.h"
 #include "plain_mls.h"
 #include "project.h"
+#include "reconstruct_amls.h"
 
 #include <meshlab/filter_spec.h>
 
@@ -411,6 +412,54 @@ plugin::FilterResult project_points(const plugin::InputLayer& layer, const Proje
     return result;
 }
 
+struct ReconstructionFilterOptions : recon::AmlsReconstructionOptions
+{
+    bool selected_only = false;
+};
+
+plugin::ParameterTable<ReconstructionFilterOptions> reconstruction_table()
+{
+    using Options = ReconstructionFilterOptions;
+    return plugin::ParameterTable<Options>()
+        .number("rho_e", &Options::rho_e, "Width",
+                "Width of the Gaussian weights in local feature sizes (the paper uses 0.75). 0: automatic, from noise, spacing "
+                "and curvature.")
+        .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
+        .choice("keep_components", &Options::keep_components, {"largest", "all"}, "Keep components",
+                "Stray shells are dropped by keeping only the component that encloses the largest volume.")
+        .flag("simplify", &Options::simplify, "Simplify",
+              "Collapse short edges, to about one vertex per sample. The topology stays.")
+        .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
+        .count("threads", &Options::threads, "Threads",
+               "Number of threads, 0: one per core. The result does not depend on it.");
+}
+
+plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const ReconstructionFilterOptions& options,
+                                 const recon::Progress& progress)
+{
+    const std::vector<int> used = plugin::vertices_to_use(layer, options.selected_only);
+    recon::AmlsReconstruction found = recon::reconstruct_amls(plugin::pick(layer.points, used), options, progress);
+
+    plugin::FilterResult result;
+    result.values = {
+        {"noise", found.surface.noise},     {"spacing", found.surface.spacing},
+        {"rho_e", found.surface.rho_e},     {"samples", found.samples},
+        {"outliers", found.outliers},       {"vertices_on_surface", found.vertices_on_surface},
+        {"components", found.components},   {"euler_characteristic", found.euler_characteristic},
+        {"genus", found.genus},             {"violated_votes", found.violated_votes},
+        {"open", found.surface.open},
+    };
+    for (const auto& [phase, seconds] : found.seconds)
+        result.values.emplace_back(plugin::key_of_seconds(phase), seconds);
+
+    plugin::NewLayer surface;
+    surface.name = "AMLS surface of " + plugin::name_without_ending(layer);
+    surface.mesh = std::move(found.mesh);
+    surface.source = plugin::pick(used, found.nearest_sample);
+    result.new_layers.push_back(std::move(surface));
+    return result;
+}
+
 } // namespace
 
 plugin::PluginSpec plugin::describe_plugin()
@@ -461,5 +510,18 @@ plugin::PluginSpec plugin::describe_plugin()
         Effect::moves_vertices | Effect::changes_normals | Effect::changes_selection | Effect::removes_vertices;
     projection.compute_with(projection_table(), project_points);
 
-    return {"AMLS", {normals, size, projection}};
+    FilterSpec reconstruction;
+    reconstruction.name = "Surface Reconstruction: AMLS";
+    reconstruction.python_name = "generate_surface_reconstruction_amls";
+    reconstruction.info =
+        std::string(
+            "Makes a <b>smooth closed surface</b> from points that are <b>noisy</b> and have <b>no normals</b>: the points are "
+            "moved onto their AMLS surface and thinned, a power crust of them gives the triangles, and its vertices are put on "
+            "the AMLS surface. Holes of the scan are closed. Nothing needs to be tuned.<br><br>") +
+        citation;
+    reconstruction.category = Category::remeshing | Category::point_set;
+    reconstruction.effects = Effect::makes_layer;
+    reconstruction.compute_with(reconstruction_table(), reconstruct);
+
+    return {"AMLS", {normals, size, projection, reconstruction}};
 }

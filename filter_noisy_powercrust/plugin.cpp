@@ -1,3 +1,4 @@
+#include "medial_axis.h"
 #include "reconstruct.h"
 
 #include <meshlab/filter_spec.h>
@@ -75,6 +76,62 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options&
     return result;
 }
 
+struct MedialAxisFilterOptions : recon::PowerShapeOptions
+{
+    bool selected_only = false;
+};
+
+plugin::ParameterTable<MedialAxisFilterOptions> medial_axis_table()
+{
+    using Options = MedialAxisFilterOptions;
+    return plugin::ParameterTable<Options>()
+        .choice("side", &Options::side, {"inner", "outer", "both"}, "Side", "On which side of the surface.")
+        .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
+                "Polar balls smaller than this are dropped. 0: chosen automatically and locally.")
+        .number("object_angle", &Options::object_angle, "Object angle",
+                "Balls whose points all lie within this angle (degrees, seen from the ball's centre) are dropped: they come from "
+                "noise and small bumps. Raise it for a simpler medial axis.")
+        .number("redundancy", &Options::redundancy, "Redundancy",
+                "Balls that a larger one covers up to this share of their radius (0..1) are dropped. 0: keep all.")
+        .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
+                "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on where the noise is "
+                "not far below the spacing of the points.")
+        .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
+        .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
+        .count("threads", &Options::threads, "Threads",
+               "Number of threads, 0: one per core. The result does not depend on it.");
+}
+
+plugin::FilterResult make_medial_axis(const plugin::InputLayer& layer, const MedialAxisFilterOptions& options,
+                                      const recon::Progress& progress)
+{
+    const std::vector<int> used = plugin::vertices_to_use(layer, options.selected_only);
+    recon::PowerShape shape = recon::compute_power_shape(plugin::pick(layer.points, used), options, progress);
+
+    plugin::FilterResult result;
+    result.values = {
+        {"points_used", shape.points_used},   {"denoised", shape.denoised},
+        {"spacing", shape.spacing},           {"noise", shape.noise},
+        {"poles", int(shape.centres.size())}, {"triangles", int(shape.triangles.size())},
+        {"edges", int(shape.edges.size())},   {"union_volume", shape.union_volume},
+        {"union_area", shape.union_area},     {"largest_radius", shape.largest_radius},
+        {"violated_votes", shape.violated_votes},
+    };
+    for (const auto& [phase, seconds] : shape.seconds)
+        result.values.emplace_back(plugin::key_of_seconds(phase), seconds);
+
+    plugin::NewLayer axis;
+    axis.name = "Medial axis of " + plugin::name_without_ending(layer);
+    axis.mesh.vertices = std::move(shape.centres);
+    axis.mesh.triangles = std::move(shape.triangles);
+    axis.edges = std::move(shape.edges);
+    axis.source = plugin::pick(used, shape.nearest_sample);
+    axis.quality = shape.radii;
+    axis.radii = std::move(shape.radii);
+    result.new_layers.push_back(std::move(axis));
+    return result;
+}
+
 } // namespace
 
 plugin::PluginSpec plugin::describe_plugin()
@@ -94,5 +151,21 @@ plugin::PluginSpec plugin::describe_plugin()
     filter.category = Category::remeshing | Category::point_set;
     filter.effects = Effect::makes_layer;
     filter.compute_with(table(), reconstruct);
-    return {"Noisy Power Crust", {filter}};
+
+    FilterSpec medial_axis;
+    medial_axis.name = "Medial Axis: Power Shape";
+    medial_axis.python_name = "generate_medial_axis_power_shape";
+    medial_axis.info =
+        "Approximates the <b>medial axis</b> of the shape that the points bound: a layer whose vertices are the centres of polar "
+        "balls, with the balls' <b>radii</b> as vertex radius and quality, joined by the edges and triangles of their regular "
+        "triangulation. No normals are needed, and the points may be <b>noisy</b>. The volume of the union of the inner balls is "
+        "among the results.<br><br>"
+        "See:<br><i>N. Amenta, S. Choi, R. K. Kolluri</i><br><b>\"The Power Crust\"</b><br>ACM Symposium on Solid Modeling and "
+        "Applications 2001.<br>"
+        "<i>B. Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br><b>\"Surface Reconstruction from Noisy Point "
+        "Clouds\"</b><br>Eurographics Symposium on Geometry Processing 2005.<br>";
+    medial_axis.category = Category::remeshing | Category::point_set;
+    medial_axis.effects = Effect::makes_layer;
+    medial_axis.compute_with(medial_axis_table(), make_medial_axis);
+    return {"Noisy Power Crust", {filter, medial_axis}};
 }

@@ -2,7 +2,6 @@
 
 #include "filter_amls/smooth_mesh.h"
 
-#include <recon/collapse_edges.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
@@ -32,15 +31,6 @@ void check(const NoisyPowerCrustOptions& options)
 
 /// Above this share of violated votes right results were rare in trials.
 constexpr double safe_violation = 0.05;
-
-std::vector<int> pick(const std::vector<int>& values, const std::vector<int>& indices)
-{
-    std::vector<int> result;
-    result.reserve(indices.size());
-    for (const int i : indices)
-        result.push_back(values[i]);
-    return result;
-}
 
 /// Drops triangles of which a corner, the middle of a side or the centre is farther than `length` from every sample.
 void trim(TriangleMesh& mesh, const NeighbourSearch& search, const Points& samples, double length)
@@ -104,23 +94,12 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.smallest_ball = smallest * frame.scale();
 
     times.begin("crust");
-    std::vector<int> ball_of_vertex;
+    CrustOptions crust;
+    crust.keep_components = options.keep_components;
+    crust.simplify = options.simplify;
+    crust.target_vertices = result.samples;
     TriangleMesh& mesh = result.mesh;
-    mesh = extract_crust(labelled.regular, labelled.labels, &ball_of_vertex);
-    if (mesh.triangles.empty())
-        throw AlgorithmFailure("No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
-    if (options.keep_components == KeepComponents::largest)
-        ball_of_vertex = pick(ball_of_vertex, keep_largest_component(mesh));
-    if (options.simplify)
-    {
-        times.begin("simplify");
-        std::vector<double> scale;
-        for (const int ball : ball_of_vertex)
-            scale.push_back(labelled.scale[ball] > 0 ? labelled.scale[ball] : labelled.spacing);
-        EdgeCollapseOptions collapse;
-        collapse.target_vertices = result.samples;
-        collapse_short_edges(mesh, scale, collapse);
-    }
+    mesh = make_crust(labelled, crust);
     progress.part(0.85, 0.9, "crust").report(1);
     if (options.smooth && cloud.is_noisy)
     {

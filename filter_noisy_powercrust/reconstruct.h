@@ -2,6 +2,7 @@
 
 #include "prepare_samples.h"
 
+#include <recon/crust.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -11,12 +12,6 @@
 
 namespace recon
 {
-
-enum class KeepComponents
-{
-    largest, ///< Only the component with the largest enclosed volume.
-    all
-};
 
 /// Options of reconstruct_noisy_power_crust(). Lengths are in input units.
 struct NoisyPowerCrustOptions

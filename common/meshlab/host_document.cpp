@@ -241,6 +241,16 @@ void fill_layer(MeshModel& model, const NewLayer& layer, const InputLayer& input
             vcg::tri::UpdateNormal<CMeshO>::NormalizePerVertex(mesh);
         }
     }
+    if (!layer.edges.empty())
+    {
+        auto edge = Allocator::AddEdges(mesh, layer.edges.size());
+        for (const std::array<int, 2>& ends : layer.edges)
+        {
+            edge->V(0) = vertices[ends[0]];
+            edge->V(1) = vertices[ends[1]];
+            ++edge;
+        }
+    }
     vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
 }
 
@@ -346,6 +356,9 @@ void check(const FilterResult& result, const InputLayer& input)
         for (const std::array<int, 3>& triangle : layer.mesh.triangles)
             for (int corner : triangle)
                 require(corner >= 0 && corner < static_cast<int>(n), "new layer, triangles");
+        for (const std::array<int, 2>& edge : layer.edges)
+            for (int end : edge)
+                require(end >= 0 && end < static_cast<int>(n), "new layer, edges");
     }
     const ChangedVertices& changed = result.changed;
     const std::size_t n = changed.vertices.size();

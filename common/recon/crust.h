@@ -1,0 +1,28 @@
+#pragma once
+
+#include <recon/labelled_balls.h>
+
+#include <recon/geometry.h>
+
+namespace recon
+{
+
+enum class KeepComponents
+{
+    largest, ///< Only the component with the largest enclosed volume.
+    all
+};
+
+/// Options of make_crust().
+struct CrustOptions
+{
+    KeepComponents keep_components = KeepComponents::largest;
+    bool simplify = true;     ///< Collapse short edges.
+    int target_vertices = 0;  ///< Vertices to collapse down to, as far as no long edge must go [count].
+};
+
+/// Crust of labelled balls, in the unit frame: extracted, stray shells dropped, short edges collapsed. A closed oriented
+/// manifold. \throws AlgorithmFailure if no inner ball is left.
+TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options);
+
+} // namespace recon
