@@ -105,6 +105,7 @@ void describe(const recon::PnRefinement& refined, plugin::FilterResult& result)
                            {"open_gaps", last.open_gaps},
                            {"boundary_segments", refined.boundary_segments},
                            {"crease_segments", refined.crease_segments},
+                           {"crease_points", refined.crease_points},
                            {"hole_points", refined.hole_points},
                            {"turned_normals", int(refined.turned_normals.size())},
                            {"left_out", refined.left_out},

@@ -1,5 +1,6 @@
 #include "refine.h"
 
+#include "crease_detection.h"
 #include "hole_filling.h"
 #include "initial_fans.h"
 #include "normal_repair.h"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 
 namespace recon
@@ -113,12 +115,17 @@ public:
         warn_of_left_out(usable, result_);
         if (usable.input.empty())
             throw InvalidInput("No point has a normal: compute normals first.");
-        const NeighbourSearch search(usable.samples.points);
+        std::unique_ptr<NeighbourSearch> search = std::make_unique<NeighbourSearch>(usable.samples.points);
         if (options_.repair_normals)
-            repair(usable, search, progress.part(0.03, 0.06, "normals"));
+            repair(usable, *search, progress.part(0.03, 0.06, "normals"));
         times.begin("radii");
+        if (options_.detect_creases)
+        {
+            result_.crease_points = put_in(usable, detect_creases(usable, *search, options_.crease_angle * radians), true);
+            search = std::make_unique<NeighbourSearch>(usable.samples.points);
+        }
         InitialFans fans =
-            find_initial_fans(usable.samples, search, usable.is_crease, options_.crease_angle * radians, 1.5, threads_,
+            find_initial_fans(usable.samples, *search, usable.is_crease, options_.crease_angle * radians, 1.5, threads_,
                               progress.part(0.06, 0.15, "radii"));
         if (options_.hole_radius > 0 && fill(usable, fans))
             fans = find_initial_fans(usable.samples, NeighbourSearch(usable.samples.points), usable.is_crease,
@@ -169,23 +176,29 @@ private:
         };
         const HoleFill fill = fill_holes(usable, fans, options_.boundary_angle * radians,
                                          options_.hole_radius / frame_.scale(), refine);
-        const int n = int(usable.input.size());
-        for (std::size_t i = 0; i < fill.samples.points.size(); ++i)
+        result_.hole_points = put_in(usable, fill, false);
+        return result_.hole_points > 0;
+    }
+
+    /// Adds made samples to the result and to what is refined. \returns how many.
+    int put_in(UsableSamples& usable, const HoleFill& made, bool is_crease)
+    {
+        const int n = int(usable.input.size()), before = input_count_ + int(result_.points.size());
+        for (std::size_t i = 0; i < made.samples.points.size(); ++i)
         {
             std::array<int, 3> parents;
             for (std::size_t m = 0; m < 3; ++m)
-                parents[m] = usable.input[std::size_t(fill.parents[i][m])];
-            result_.points.push_back(frame_.from_unit(fill.samples.points[i]));
-            result_.normals.push_back(fill.samples.normals[i]);
+                parents[m] = usable.input[std::size_t(made.parents[i][m])];
+            result_.points.push_back(frame_.from_unit(made.samples.points[i]));
+            result_.normals.push_back(made.samples.normals[i]);
             result_.parents.push_back(parents);
-            usable.samples.points.push_back(fill.samples.points[i]);
-            usable.samples.normals.push_back(fill.samples.normals[i]);
-            usable.input.push_back(input_count_ + int(i));
-            usable.sharing.push_back(n + int(i));
-            usable.is_crease.push_back(0);
+            usable.samples.points.push_back(made.samples.points[i]);
+            usable.samples.normals.push_back(made.samples.normals[i]);
+            usable.input.push_back(before + int(i));
+            usable.sharing.push_back(n + int(is_crease ? i - i % 2 : i));
+            usable.is_crease.push_back(is_crease);
         }
-        result_.hole_points = int(fill.samples.points.size());
-        return result_.hole_points > 0;
+        return int(made.samples.points.size());
     }
 
     void find_segments(const UsableSamples& usable, const InitialFans& fans)

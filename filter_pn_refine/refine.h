@@ -67,7 +67,8 @@ struct PnRefinement
     std::vector<int> turned_normals; ///< Input points whose normal was turned before refinement, ascending.
     std::vector<PnStepStatistics> steps;
     int boundary_segments = 0, crease_segments = 0; ///< At the start.
-    int hole_points = 0; ///< Points put into holes before the first step; they come first among the appended ones.
+    int crease_points = 0; ///< Points put onto detected creases before the first step, two at each position; they come first.
+    int hole_points = 0;   ///< Points put into holes before the first step; they come next.
     int left_out = 0; ///< Input points that took no part: duplicates, without normal, isolated.
     std::vector<std::pair<std::string, double>> seconds; ///< Per phase.
     std::vector<std::string> warnings;

@@ -96,6 +96,28 @@ TEST(Creases, WithoutPreservingThemTheyAreNotRefined)
     EXPECT_EQ(refine_points(cube(6), options).crease_segments, 0);
 }
 
+TEST(Creases, AreDetectedFromNormals)
+{
+    const OrientedSamples samples = shapes::box(4000, Vector(2, 2, 2), 5); // none on the edges
+    PnRefineOptions options = one_thread(2);
+    EXPECT_EQ(refine_points(samples, options).crease_points, 0);
+    options.detect_creases = true;
+    const PnRefinement refined = refine_points(samples, options);
+    EXPECT_GT(refined.crease_points, 400);
+    EXPECT_GT(refined.crease_segments, 90);
+    for (int i = 0; i < refined.crease_points; ++i)
+    {
+        // On two faces at once.
+        Vector away = (Vector::Ones() - refined.points[std::size_t(i)].cwiseAbs()).cwiseAbs();
+        std::sort(away.data(), away.data() + 3);
+        EXPECT_LT(away[1], 1e-9);
+    }
+    int off = 0;
+    for (std::size_t i = 0; i < refined.points.size(); ++i)
+        off += shapes::distance_to_box(refined.points[i], Vector(2, 2, 2)) > 1e-6;
+    EXPECT_EQ(off, 0);
+}
+
 OrientedSamples hemisphere(bool clean)
 {
     const OrientedSamples sphere = shapes::sphere(3500, 1, 2);
