@@ -61,6 +61,7 @@ struct NewLayer
 {
     std::string name;
     recon::TriangleMesh mesh; ///< Without triangles: a point cloud.
+    std::vector<std::array<int, 2>> edges; ///< That belong to no triangle, such as those of a medial axis.
     std::vector<int>
         source; ///< Per vertex of `mesh`: the input's vertex whose colour and quality it takes, -1 for none.
     recon::Vectors normals;
