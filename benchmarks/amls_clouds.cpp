@@ -1,0 +1,101 @@
+// Writes the clouds of amls_peers.py: amls_clouds <model folder> <out folder> <seed> [grid | other]
+//   grid: grid B x sigma 0.1, 0.2, 0.4 %. other: one point per vertex, thinned, outliers, sharp models.
+#include "models.h"
+
+#include "tests/shapes.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+using namespace recon;
+
+namespace
+{
+
+std::string out_folder, model_folder;
+
+void save(const std::string& name, const std::string& model, const Points& points)
+{
+    benchmarks::save_ply(out_folder + "/" + name + ".ply", points);
+    std::ofstream(out_folder + "/" + name + ".truth") << model_folder << "/" << model << ".ply\n";
+}
+
+double uniform(shapes::Random& random)
+{
+    return double(random() >> 11) * 0x1p-53;
+}
+
+/// Points kept with a probability that falls from 1 to 1/20 along the longest axis.
+Points thinned(const Points& points, unsigned seed)
+{
+    shapes::Random random(seed);
+    const Box box = bounding_box(points);
+    int axis = 0;
+    (box.maximum - box.minimum).maxCoeff(&axis);
+    Points kept;
+    for (const Point& p : points)
+    {
+        const double t = (p[axis] - box.minimum[axis]) / (box.maximum[axis] - box.minimum[axis]);
+        if (uniform(random) < std::pow(0.05, t))
+            kept.push_back(p);
+    }
+    return kept;
+}
+
+/// The points and a share of uniform ones in a box 10 % larger; the outliers come last.
+Points with_outliers(Points points, double share, unsigned seed)
+{
+    shapes::Random random(seed);
+    const Box box = bounding_box(points);
+    const Vector sides = 1.1 * (box.maximum - box.minimum);
+    const std::size_t count = std::size_t(share * double(points.size()));
+    for (std::size_t i = 0; i < count; ++i)
+    {
+        Point p = box.centre();
+        for (int k = 0; k < 3; ++k)
+            p[k] += (uniform(random) - 0.5) * sides[k];
+        points.push_back(p);
+    }
+    return points;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    if (argc < 5)
+    {
+        std::fprintf(stderr, "usage: %s <model folder> <out folder> <seed> grid|other\n", argv[0]);
+        return 2;
+    }
+    model_folder = argv[1];
+    out_folder = argv[2];
+    const unsigned seed = unsigned(std::stoi(argv[3]));
+    if (std::string(argv[4]) == "grid")
+    {
+        for (const std::string& name : benchmarks::grid_b)
+        {
+            const benchmarks::Model model = benchmarks::load_model(model_folder + "/" + name + ".ply");
+            for (const char* sigma : {"0.1", "0.2", "0.4"})
+                save(name + "_" + sigma, name, benchmarks::noisy_cloud(model, std::stod(sigma), seed));
+        }
+        return 0;
+    }
+    for (const std::string name : {"bunny_closed", "armadillo_43k", "rocker_arm"})
+    {
+        const benchmarks::Model model = benchmarks::load_model(model_folder + "/" + name + ".ply");
+        const Points copies = benchmarks::noisy_cloud(model, 0.2, seed);
+        save(name + "_one_per_vertex", name, shapes::with_noise(model.mesh.vertices, 0.002 * model.diagonal, seed));
+        save(name + "_thinned", name, thinned(copies, seed + 1));
+        save(name + "_outliers_1", name, with_outliers(copies, 0.01, seed + 2));
+        save(name + "_outliers_5", name, with_outliers(copies, 0.05, seed + 3));
+    }
+    for (const std::string name : {"fandisk_large", "block", "anchor_dense", "trim_star"})
+    {
+        const benchmarks::Model model = benchmarks::load_model(model_folder + "/" + name + ".ply");
+        save(name + "_sharp", name, benchmarks::noisy_cloud(model, 0.2, seed));
+    }
+    save("fandisk_noise03", "fandisk", benchmarks::load_model(model_folder + "/fandisk_noise03.ply").mesh.vertices);
+    save("block_noise04", "block", benchmarks::load_model(model_folder + "/block_noise04.ply").mesh.vertices);
+}

@@ -1,0 +1,117 @@
+"""MLS projection: AMLS beside MeshLab's APSS and RIMLS, on the clouds that amls_clouds wrote.
+
+amls_peers.py <plugin.so> <folder with clouds and truth> [--out table.md] [cloud...]
+
+Each cloud <name>.ply has its true surface in <name>.truth (the path of a mesh). The peers get MeshLab's own normals
+(K = 30) and run at FilterScale 2, 4, 8 between two layers: projected onto the cloud (controlmesh) is a copy of it
+(proxymesh), since their default, one layer for both, crashes. AMLS gets the bare points and no parameter. Errors are RMS
+distances to the true mesh in 1e-6 of its diagonal; times are CPU seconds of the process.
+"""
+import argparse
+import os
+import time
+from pathlib import Path
+
+os.environ["OMP_NUM_THREADS"] = "1"  # CPU time would count threads that spin while they wait
+
+import numpy as np
+import pymeshlab
+
+SCALES = (2, 4, 8)
+
+
+def read_points(path):
+    data = Path(path).read_bytes()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    n = next(int(line.split()[2]) for line in data[:end].decode().splitlines() if line.startswith("element vertex"))
+    return np.frombuffer(data, "<f4", 3 * n, end).reshape(n, 3).astype(float)
+
+
+class Truth:
+    """Distance to a mesh, by MeshLab's own attribute of sampled points: exact closest points on the surface."""
+
+    def __init__(self, path):
+        self.path = str(path)
+        meshes = pymeshlab.MeshSet(verbose=False)
+        meshes.load_new_mesh(self.path)
+        v = meshes.current_mesh().vertex_matrix()
+        self.diagonal = float(np.linalg.norm(v.max(0) - v.min(0)))
+
+    def distances(self, points):
+        meshes = pymeshlab.MeshSet(verbose=False)
+        meshes.load_new_mesh(self.path)
+        meshes.add_mesh(pymeshlab.Mesh(points), "points")
+        meshes.apply_filter("compute_scalar_by_distance_from_another_mesh_per_vertex", measuremesh=1, refmesh=0,
+                            signeddist=False, maxdist=pymeshlab.PureValue(self.diagonal))
+        return np.abs(meshes.current_mesh().vertex_scalar_array()) / self.diagonal
+
+
+def cpu(function):
+    start = time.process_time()
+    result = function()
+    return result, time.process_time() - start
+
+
+def run_amls(points):
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(points), "cloud")
+    _, seconds = cpu(lambda: meshes.apply_filter("compute_mls_projection_amls", threads=1))
+    return meshes.current_mesh().vertex_matrix(), seconds
+
+
+def run_peer(name, points, scale):
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(points), "control")
+    meshes.apply_filter("compute_normal_for_point_clouds", k=30)
+    normals = meshes.current_mesh().vertex_normal_matrix()
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(points, v_normals_matrix=normals), "control")
+    meshes.add_mesh(pymeshlab.Mesh(points, v_normals_matrix=normals), "proxy")
+    meshes.set_current_mesh(0)  # with the other one current these filters crash as well
+    _, seconds = cpu(lambda: meshes.apply_filter(f"compute_mls_projection_{name}", controlmesh=0, proxymesh=1,
+                                                 filterscale=scale))
+    return meshes.mesh(1).vertex_matrix(), seconds
+
+
+def rms(distances):
+    good = distances[np.isfinite(distances)]
+    return 1e6 * float(np.sqrt(np.mean(good ** 2)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("plugin")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("clouds", nargs="*")
+    arguments = parser.parse_args()
+    pymeshlab.load_plugin(arguments.plugin)
+    clouds = arguments.clouds or sorted(path.stem for path in arguments.folder.glob("*.ply"))
+    print("| cloud | points | input | AMLS | APSS 2 / 4 / 8 | RIMLS 2 / 4 / 8 | AMLS / best APSS | AMLS / best RIMLS | "
+          "s AMLS | s best APSS | s best RIMLS |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    ratios = {"apss": [], "rimls": []}
+    for name in clouds:
+        truth = Truth((arguments.folder / f"{name}.truth").read_text().strip())
+        points = read_points(arguments.folder / f"{name}.ply")
+        moved, seconds = run_amls(points)
+        ours = rms(truth.distances(moved))
+        row = [name, str(len(points)), f"{rms(truth.distances(points)):.0f}", f"{ours:.0f}"]
+        times = [f"{seconds:.2f}"]
+        for peer in ("apss", "rimls"):
+            found = []
+            for scale in SCALES:
+                moved, seconds = run_peer(peer, points, scale)
+                found.append((rms(truth.distances(moved)), seconds))
+            best = min(found)
+            ratios[peer].append(ours / best[0])
+            row.append(" / ".join(f"{error:.0f}" for error, _ in found))
+            times.append(f"{best[1]:.1f}")
+        row += [f"{ratios['apss'][-1]:.2f}", f"{ratios['rimls'][-1]:.2f}"] + times
+        print("| " + " | ".join(row) + " |", flush=True)
+    for peer, values in ratios.items():
+        print(f"\n{peer.upper()}: at or below in {sum(v <= 1 for v in values)} of {len(values)}, geometric mean "
+              f"{np.exp(np.mean(np.log(values))):.3f}, worst {max(values):.2f}")
+
+
+if __name__ == "__main__":
+    main()
