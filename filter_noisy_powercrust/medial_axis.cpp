@@ -173,6 +173,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     SamplePreparationOptions preparation;
     preparation.denoise = options.denoise;
     preparation.noise = options.noise;
+    preparation.bearable_noise = 0.05;
     preparation.threads = options.threads;
     const PreparedSamples cloud = prepare_samples(points, preparation, times, progress.part(0, 0.3, "preparation"));
     const UnitFrame& frame = cloud.frame;

@@ -38,6 +38,14 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     result.cleanness =
         measure_cleanness(result.distinct, NeighbourSearch(result.distinct), resolve_threads(options.threads));
     result.is_noisy = result.cleanness < clean_above;
+    if (!result.is_noisy && options.denoise != Denoise::on)
+    {
+        NoiseOptions noise_options;
+        noise_options.threads = options.threads;
+        const NoiseEstimate found = estimate_noise(sorted, noise_options, progress.part(0, 0.1, "noise"));
+        result.noise = options.noise > 0 ? options.noise : found.median_sigma();
+        result.is_noisy = result.noise > options.bearable_noise * found.median_spacing();
+    }
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);
 
     if (result.denoised || (options.needs_surface && result.is_noisy))
@@ -46,16 +54,8 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         AmlsOptions amls;
         amls.noise = options.noise;
         amls.threads = options.threads;
-        result.surface = build_amls_surface(sorted, amls, progress.part(0, 0.7, "AMLS surface"));
+        result.surface = build_amls_surface(sorted, amls, progress.part(0.1, 0.7, "AMLS surface"));
         result.noise = result.surface->report().noise;
-    }
-    else if (options.noise > 0)
-        result.noise = options.noise;
-    else
-    {
-        NoiseOptions noise_options;
-        noise_options.threads = options.threads;
-        result.noise = estimate_noise(sorted, noise_options, progress.part(0, 0.7, "noise")).median_sigma();
     }
     if (result.denoised)
     {

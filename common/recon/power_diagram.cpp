@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 namespace recon
 {
@@ -45,44 +46,51 @@ struct PowerDiagram::Regular
     std::vector<double> weights;
     CgalRegular triangulation;
     std::vector<CgalRegular::Vertex_handle> vertex; ///< Of each ball; null where the ball is hidden or removed.
+
+    Kernel::Point_3 site(std::size_t ball) const { return {centres[ball].x(), centres[ball].y(), centres[ball].z()}; }
+
+    /// Makes the triangulation of these balls.
+    void build(std::vector<std::size_t> members, const Progress& progress)
+    {
+        std::vector<Kernel::Point_3> sites;
+        sites.reserve(centres.size());
+        for (std::size_t i = 0; i < centres.size(); ++i)
+            sites.push_back(site(i));
+        using SiteOf = CGAL::Pointer_property_map<Kernel::Point_3>::type;
+        CGAL::spatial_sort(members.begin(), members.end(),
+                           CGAL::Spatial_sort_traits_adapter_3<Kernel, SiteOf>(CGAL::make_property_map(sites)));
+        triangulation.clear();
+        CgalRegular::Cell_handle hint;
+        for (std::size_t i = 0; i < members.size(); ++i)
+        {
+            if (i % 4096 == 0)
+                progress.report(double(i) / double(members.size()));
+            const std::size_t ball = members[i];
+            const auto added = triangulation.insert(Kernel::Weighted_point_3(sites[ball], weights[ball]), hint);
+            if (added == CgalRegular::Vertex_handle()) // hidden
+                continue;
+            added->info() = int(ball);
+            hint = added->cell();
+        }
+        vertex.assign(centres.size(), CgalRegular::Vertex_handle());
+        for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end(); ++v)
+            vertex[std::size_t(v->info())] = v;
+    }
 };
 
 PowerDiagram::PowerDiagram(const std::vector<Ball>& balls, const Progress& progress) : regular_(std::make_unique<Regular>())
 {
     Regular& r = *regular_;
-    std::vector<Kernel::Point_3> sites;
-    sites.reserve(balls.size());
     r.centres.reserve(balls.size());
     r.weights.reserve(balls.size());
     for (std::size_t i = 0; i < balls.size(); ++i)
     {
-        const Ball& ball = balls[i];
-        r.centres.push_back(ball.centre);
-        r.weights.push_back(ball.radius * ball.radius * (1 - 1e-9 * pseudo_random(i)));
-        sites.emplace_back(ball.centre.x(), ball.centre.y(), ball.centre.z());
+        r.centres.push_back(balls[i].centre);
+        r.weights.push_back(balls[i].radius * balls[i].radius * (1 - 1e-9 * pseudo_random(i)));
     }
-    std::vector<std::size_t> order(balls.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    using SiteOf = CGAL::Pointer_property_map<Kernel::Point_3>::type;
-    CGAL::spatial_sort(order.begin(), order.end(),
-                       CGAL::Spatial_sort_traits_adapter_3<Kernel, SiteOf>(CGAL::make_property_map(sites)));
-
-    CgalRegular::Cell_handle hint;
-    for (std::size_t i = 0; i < order.size(); ++i)
-    {
-        if (i % 4096 == 0)
-            progress.report(double(i) / double(order.size()));
-        const std::size_t ball = order[i];
-        const auto vertex =
-            r.triangulation.insert(Kernel::Weighted_point_3(sites[ball], r.weights[ball]), hint);
-        if (vertex == CgalRegular::Vertex_handle()) // hidden
-            continue;
-        vertex->info() = int(ball);
-        hint = vertex->cell();
-    }
-    r.vertex.resize(balls.size());
-    for (auto v = r.triangulation.finite_vertices_begin(); v != r.triangulation.finite_vertices_end(); ++v)
-        r.vertex[std::size_t(v->info())] = v;
+    std::vector<std::size_t> all(balls.size());
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    r.build(std::move(all), progress);
 }
 
 PowerDiagram::~PowerDiagram() = default;
@@ -90,13 +98,23 @@ PowerDiagram::PowerDiagram(PowerDiagram&&) noexcept = default;
 
 void PowerDiagram::remove(const std::vector<int>& balls)
 {
+    Regular& r = *regular_;
+    // Taking one out costs as much as inserting some thirty.
+    const bool rebuild = balls.size() > 0.03 * double(r.vertex.size());
     for (const int ball : balls)
     {
-        auto& vertex = regular_->vertex[std::size_t(ball)];
-        if (vertex != CgalRegular::Vertex_handle())
-            regular_->triangulation.remove(vertex);
+        auto& vertex = r.vertex[std::size_t(ball)];
+        if (!rebuild && vertex != CgalRegular::Vertex_handle())
+            r.triangulation.remove(vertex);
         vertex = CgalRegular::Vertex_handle();
     }
+    if (!rebuild)
+        return;
+    std::vector<std::size_t> left;
+    for (std::size_t i = 0; i < r.vertex.size(); ++i)
+        if (r.vertex[i] != CgalRegular::Vertex_handle())
+            left.push_back(i);
+    r.build(std::move(left), {});
 }
 
 Triangulation PowerDiagram::triangulation() const

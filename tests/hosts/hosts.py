@@ -336,3 +336,28 @@ NOISY_POWER_CRUST = FilterSpec(
      ("trim_length", "RichAbsPerc", 0.0, None),
      ("selected_only", "RichBool", False, None),
      ("threads", "RichInt", 0, None)])
+
+
+MEDIAL_AXIS = FilterSpec(
+    "libfilter_noisy_powercrust.so",
+    "Medial Axis: Power Shape",
+    "generate_medial_axis_power_shape",
+    [("side", "RichEnum", "inner", ["inner", "outer", "both"]),
+     ("ball_threshold", "RichAbsPerc", 0.0, None),
+     ("object_angle", "RichFloat", 60.0, None),
+     ("redundancy", "RichFloat", 0.0, None),
+     ("denoise", "RichEnum", "automatic", ["automatic", "on", "off"]),
+     ("noise", "RichAbsPerc", 0.0, None),
+     ("selected_only", "RichBool", False, None),
+     ("threads", "RichInt", 0, None)])
+
+AMLS_RECONSTRUCTION = FilterSpec(
+    "libfilter_amls.so",
+    "Surface Reconstruction: AMLS",
+    "generate_surface_reconstruction_amls",
+    [("rho_e", "RichFloat", 0.0, None),
+     ("noise", "RichAbsPerc", 0.0, None),
+     ("keep_components", "RichEnum", "largest", ["largest", "all"]),
+     ("simplify", "RichBool", True, None),
+     ("selected_only", "RichBool", False, None),
+     ("threads", "RichInt", 0, None)])

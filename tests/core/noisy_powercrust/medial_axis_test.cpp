@@ -87,6 +87,15 @@ TEST(PowerShape, OfACapsuleIsItsSegment)
     }
 }
 
+TEST(PowerShape, DenoisesEvenALittleNoise)
+{
+    // One point each, noise a sixth of the spacing: a crust needs no help there, but each bump would make a twig.
+    const PowerShape shape = compute_power_shape(shapes::with_noise(shapes::torus(4000, 1, 0.4, 1).points, 0.01, 2));
+    EXPECT_TRUE(shape.denoised);
+    for (const Point& p : shape.centres)
+        EXPECT_LT(std::hypot(p.head<2>().norm() - 1, p.z()), 0.15);
+}
+
 TEST(PowerShape, OfABoxReachesIntoItsCorners)
 {
     const Vector sides(4, 3, 2);

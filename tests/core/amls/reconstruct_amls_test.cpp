@@ -1,0 +1,60 @@
+#include "filter_amls/reconstruct_amls.h"
+
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <recon/errors.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace recon;
+
+namespace
+{
+constexpr double pi = 3.14159265358979323846;
+}
+
+TEST(ReconstructAmls, MakesASmoothClosedTorus)
+{
+    const double sigma = 0.02;
+    const Points points = shapes::with_noisy_copies(shapes::torus(4000, 1, 0.4, 1).points, sigma, 4, 2);
+    const AmlsReconstruction found = reconstruct_amls(points);
+    const checks::MeshReport report = checks::examine_mesh(found.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 1);
+    EXPECT_EQ(found.genus, 1);
+    EXPECT_NEAR(report.volume, 2 * pi * pi * 0.16, 0.02 * report.volume);
+    double squares = 0;
+    for (const Point& p : found.mesh.vertices)
+        squares += std::pow(shapes::distance_to_torus(p, 1, 0.4), 2);
+    EXPECT_LT(std::sqrt(squares / double(found.mesh.vertices.size())), 0.2 * sigma);
+    EXPECT_GT(found.vertices_on_surface, 0.99 * double(found.mesh.vertices.size()));
+    EXPECT_NEAR(found.surface.noise, sigma, 0.15 * sigma);
+    EXPECT_EQ(found.nearest_sample.size(), found.mesh.vertices.size());
+}
+
+TEST(ReconstructAmls, DoesNotDependOnThreads)
+{
+    const Points points = shapes::with_noisy_copies(shapes::sphere(1500, 1, 1).points, 0.01, 4, 2);
+    AmlsReconstructionOptions options;
+    options.threads = 1;
+    const AmlsReconstruction one = reconstruct_amls(points, options);
+    options.threads = 3;
+    const AmlsReconstruction three = reconstruct_amls(points, options);
+    EXPECT_EQ(one.mesh.triangles, three.mesh.triangles);
+    EXPECT_EQ(one.mesh.vertices, three.mesh.vertices);
+}
+
+TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
+{
+    Points plane;
+    for (int i = 0; i < 30; ++i)
+        plane.push_back(Point(i % 6, i / 6, 0));
+    EXPECT_THROW(reconstruct_amls(plane), InvalidInput);
+    int calls = 0;
+    const Progress progress([&](double, const std::string&) { return ++calls < 8; });
+    EXPECT_THROW(reconstruct_amls(shapes::sphere(2000, 1, 1).points, {}, progress), Cancelled);
+}
