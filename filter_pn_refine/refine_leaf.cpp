@@ -544,7 +544,8 @@ struct PointRefiner
         for (int k = 0; k < fan_size && !is_rim; ++k)
             is_rim = turn_to_next(ring.angle[fan[k]], ring.angle[fan[k + 1 == fan_size ? 0 : k + 1]], k + 1 == fan_size) >
                      step.boundary_angle;
-        write_radii(own, c, is_open && !is_rim);
+        const bool is_large = old_points.radius[o] > LocalRules::largest_open * w.usual_radius;
+        write_radii(own, c, is_open && !is_rim && !is_large);
         return is_open;
     }
 

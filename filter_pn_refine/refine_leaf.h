@@ -43,6 +43,7 @@ struct LocalRules
     static constexpr float least_turn = 0.35f;          ///< [radians] What halves a gap worse does not close it: along a rim it only raises radii.
     static constexpr float shrink = 0.9f;               ///< No radius written while refining a point exceeds this: radii run away else.
     static constexpr float open_radius = 0.8f;          ///< A point with an open gap keeps at least this.
+    static constexpr float largest_open = 2.5f;         ///< But not above this in the leaf's median radius.
     static constexpr float least_height = 0.1f;         ///< Of a candidate's triangle, in its longest edge.
     static constexpr float curved_below = 0.95f;        ///< Automatic: accurate where a neighbour's normal agrees less.
 };
