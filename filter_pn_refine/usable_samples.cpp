@@ -11,44 +11,34 @@ namespace recon::pn
 namespace
 {
 
-/// Per sample: distance to the fourth nearest point elsewhere, which random clusters do not change much.
-std::vector<double> nearest_distances(const Points& points, const NeighbourSearch& search, int threads)
-{
-    std::vector<double> distances(points.size(), 0);
-    parallel_for(points.size(), threads, {},
-                 [&](std::size_t i)
-                 {
-                     constexpr int k = 8; // up to four normals at a corner
-                     int indices[k];
-                     double squared[k];
-                     const int found = search.nearest(points[i], k, indices, squared);
-                     for (int m = 0, elsewhere = 0; m < found && elsewhere < 4; ++m)
-                         if (squared[m] > 0)
-                         {
-                             distances[i] = std::sqrt(squared[m]);
-                             ++elsewhere;
-                         }
-                 });
-    return distances;
-}
-
+/// By the distance to the fourth nearest point elsewhere, which random clusters do not change much.
 std::vector<char> find_isolated(const Points& points, int threads)
 {
     constexpr double far = 6; // times what is usual around
-    constexpr int k = 10;
+    constexpr int k = 10;     // itself, up to three more normals at a corner, and those around
     const NeighbourSearch search(points);
-    const std::vector<double> distances = nearest_distances(points, search, threads);
+    std::vector<double> distances(points.size(), 0);
+    std::vector<int> nearest(points.size() * k, -1);
+    parallel_for(points.size(), threads, {},
+                 [&](std::size_t i)
+                 {
+                     double squared[k];
+                     const int found = search.nearest(points[i], k, &nearest[i * k], squared);
+                     for (int m = 0, elsewhere = 0; m < found; ++m)
+                         if (squared[m] == 0)
+                             nearest[i * k + std::size_t(m)] = -1;
+                         else if (elsewhere++ < 4)
+                             distances[i] = std::sqrt(squared[m]);
+                 });
     std::vector<char> is_isolated(points.size(), 0);
     parallel_for(points.size(), threads, {},
                  [&](std::size_t i)
                  {
-                     int indices[k];
-                     double squared[k], around[k];
-                     const int found = search.nearest(points[i], k, indices, squared);
+                     double around[k];
                      int n = 0;
-                     for (int m = 0; m < found; ++m)
-                         if (squared[m] > 0)
-                             around[n++] = distances[std::size_t(indices[m])];
+                     for (int m = 0; m < k; ++m)
+                         if (const int j = nearest[i * k + std::size_t(m)]; j >= 0)
+                             around[n++] = distances[std::size_t(j)];
                      if (n < 3)
                          return;
                      std::nth_element(around, around + n / 2, around + n);
