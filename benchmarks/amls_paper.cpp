@@ -74,8 +74,8 @@ void print_table1(const std::string& folder)
                     newton = seconds;
                 const double converged =
                     double(std::count(result.converged.begin(), result.converged.end(), 1)) / double(points.size());
-                std::printf("| %s | %zu | %.1f | %s | %.0f | %.2f | %.4f | %.1f | %.2f |\n", name, points.size(),
-                            percent, is_newton ? "NP (I)" : "PP (VMLS)", mean(result.neighbours),
+                std::printf("| %s | %zu | %.1f | %g | %s | %.0f | %.2f | %.4f | %.1f | %.2f |\n", name, points.size(),
+                            percent, tolerance, is_newton ? "NP (I)" : "PP (VMLS)", mean(result.neighbours),
                             mean(result.iterations), converged, seconds, seconds / newton);
                 std::fflush(stdout);
             }
