@@ -12,7 +12,7 @@ namespace recon
 namespace
 {
 
-constexpr int largest_subset = 10'000;
+constexpr int largest_subset = 20'000;
 constexpr int fine_count = 6, coarse_count = 30;
 constexpr double pi = 3.14159265358979323846;
 

@@ -11,7 +11,7 @@ namespace recon
 /// Spacing of the samples around each of them, found at a subset and copied to the rest from the nearest of the subset.
 struct SampleSpacing
 {
-    std::vector<int> subset;  ///< At most 10,000 samples at an even stride.
+    std::vector<int> subset;  ///< At most 20,000 samples at an even stride.
     std::vector<int> nearest; ///< Per sample: position in `subset` of the nearest of them.
     std::vector<double> eighth; ///< Per member of the subset: distance to the 8th nearest sample.
     std::vector<double> fine;   ///< sqrt(2 x mean squared distance to the 6 nearest).

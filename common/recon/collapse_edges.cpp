@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <iterator>
 
 namespace recon
 {
@@ -17,8 +16,7 @@ class Collapser
 public:
     Collapser(TriangleMesh& mesh, const std::vector<double>& scale, const EdgeCollapseOptions& options)
         : mesh_(mesh), scale_(scale), options_(options), at_(mesh.vertices.size()), alive_(mesh.triangles.size(), 1),
-          merged_(mesh.vertices.size(), 1),
-          vertices_left_(int(mesh.vertices.size()))
+          merged_(mesh.vertices.size(), 1), vertices_left_(int(mesh.vertices.size())), marks_(mesh.vertices.size(), 0)
     {
         for (int t = 0; t < int(mesh.triangles.size()); ++t)
             for (const int v : mesh.triangles[t])
@@ -69,17 +67,6 @@ private:
         return 0.5 * (mesh_.vertices[a] + mesh_.vertices[b]);
     }
 
-    void list_neighbours(int v, std::vector<int>& result) const
-    {
-        result.clear();
-        for (const int t : at_[v])
-            for (const int w : mesh_.triangles[t])
-                if (w != v)
-                    result.push_back(w);
-        std::sort(result.begin(), result.end());
-        result.erase(std::unique(result.begin(), result.end()), result.end());
-    }
-
     Vector area_normal(const std::array<int, 3>& t, int moved_a, int moved_b, const Point& to) const
     {
         const auto corner = [&](int k) -> const Point&
@@ -93,12 +80,21 @@ private:
             return false; // fans of such size are slivers again
         // Link condition on a closed manifold: the ends share just the two vertices opposite their edge, and those keep
         // three neighbours.
-        list_neighbours(a, around_a_);
-        list_neighbours(b, around_b_);
-        common_.clear();
-        std::set_intersection(around_a_.begin(), around_a_.end(), around_b_.begin(), around_b_.end(),
-                              std::back_inserter(common_));
-        if (common_.size() != 2 || at_[common_[0]].size() <= 3 || at_[common_[1]].size() <= 3)
+        const int mark_a = ++mark_, mark_common = ++mark_;
+        for (const int t : at_[a])
+            for (const int v : mesh_.triangles[t])
+                marks_[v] = mark_a;
+        int common = 0;
+        for (const int t : at_[b])
+            for (const int v : mesh_.triangles[t])
+                if (marks_[v] == mark_a && v != a && v != b)
+                {
+                    marks_[v] = mark_common;
+                    ++common;
+                    if (at_[v].size() <= 3)
+                        return false;
+                }
+        if (common != 2)
             return false;
         if (squared_length(a, b) < 1e-6)
             return true; // the corners of one sample's cluster; their triangles have no direction to keep
@@ -152,7 +148,8 @@ private:
     std::vector<char> alive_;
     std::vector<int> merged_; ///< Vertices that each one stands for.
     int vertices_left_;
-    std::vector<int> around_a_, around_b_, common_;
+    std::vector<int> marks_; ///< Per vertex: which test saw it last.
+    int mark_ = 0;
 };
 
 } // namespace
