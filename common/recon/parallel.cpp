@@ -67,6 +67,8 @@ void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progre
         thread.join();
     if (failure)
         std::rethrow_exception(failure);
+    if (chunks > 0)
+        progress.report(1); // also where the helpers took every chunk: whoever wants to stop is asked
 }
 
 void parallel_invoke(int threads, const std::function<void()>& first, const std::function<void()>& second)
