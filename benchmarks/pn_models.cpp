@@ -31,11 +31,17 @@ std::vector<double> areas_summed(const TriangleMesh& mesh)
     return sums;
 }
 
-double uniform(shapes::Random& random) { return double(random() >> 11) * 0x1p-53; }
+double uniform(shapes::Random& random)
+{
+    return double(random() >> 11) * 0x1p-53;
+}
 
 } // namespace
 
-double surface_area(const TriangleMesh& mesh) { return areas_summed(mesh).back(); }
+double surface_area(const TriangleMesh& mesh)
+{
+    return areas_summed(mesh).back();
+}
 
 OrientedSamples sample_mesh(const TriangleMesh& mesh, int n, std::uint64_t seed)
 {
@@ -53,7 +59,8 @@ OrientedSamples sample_mesh(const TriangleMesh& mesh, int n, std::uint64_t seed)
     for (int i = 0; i < n; ++i)
     {
         const auto at = std::lower_bound(sums.begin(), sums.end(), uniform(random) * sums.back());
-        const auto& t = mesh.triangles[std::size_t(std::min<std::ptrdiff_t>(at - sums.begin(), std::ptrdiff_t(sums.size()) - 1))];
+        const auto& t =
+            mesh.triangles[std::size_t(std::min<std::ptrdiff_t>(at - sums.begin(), std::ptrdiff_t(sums.size()) - 1))];
         double u = uniform(random), v = uniform(random);
         if (u + v > 1)
         {
@@ -63,7 +70,8 @@ OrientedSamples sample_mesh(const TriangleMesh& mesh, int n, std::uint64_t seed)
         const double w = 1 - u - v;
         samples.points.push_back(w * mesh.vertices[std::size_t(t[0])] + u * mesh.vertices[std::size_t(t[1])] +
                                  v * mesh.vertices[std::size_t(t[2])]);
-        samples.normals.push_back((w * normals[std::size_t(t[0])].normalized() + u * normals[std::size_t(t[1])].normalized() +
+        samples.normals.push_back((w * normals[std::size_t(t[0])].normalized() +
+                                   u * normals[std::size_t(t[1])].normalized() +
                                    v * normals[std::size_t(t[2])].normalized())
                                       .normalized());
     }

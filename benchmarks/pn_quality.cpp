@@ -1,5 +1,6 @@
 // Refinement of sparse samples against the mesh they were taken from, plain centroid insertion and CGAL's edge-aware
-// upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [model...]
+// upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode]
+// [model...]
 #include "mesh_distance.h"
 #include "pn_models.h"
 
@@ -25,8 +26,10 @@ double median(std::vector<double> values)
 int main(int argc, char** argv)
 {
     if (argc < 2)
-        return std::fprintf(stderr, "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [model...]\n",
-                            argv[0]),
+        return std::fprintf(
+                   stderr,
+                   "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [model...]\n",
+                   argv[0]),
                2;
     int samples = 3500, seeds = 5;
     bool with_cgal = false;
@@ -59,8 +62,8 @@ int main(int argc, char** argv)
     if (models.empty())
         models = {"igea", "rocker_arm", "bunny_closed", "horse", "elephant_refined", "maxplanck_closed_10k"};
 
-    std::printf("%-20s %8s | %7s %7s %6s %5s %5s | %7s %6s | %7s\n", "model", "points", "RMS %", "max %", ">0.5%", "gap",
-                "pair", "plain", "ratio", "CGAL %");
+    std::printf("%-20s %8s | %7s %7s %6s %5s %5s | %7s %6s | %7s\n", "model", "points", "RMS %", "max %", ">0.5%",
+                "gap", "pair", "plain", "ratio", "CGAL %");
     for (const std::string& name : models)
     {
         const Model model = load_model(std::string(argv[1]) + "/" + name + ".ply");
@@ -87,12 +90,14 @@ int main(int argc, char** argv)
             plain.push_back(distance.summarise(recon::interpolate(refined, input.points)).rms * percent);
             if (with_cgal)
                 cgal.push_back(
-                    distance.summarise(upsample_edge_aware(input, int(all.points.size())).appended.points).rms * percent);
+                    distance.summarise(upsample_edge_aware(input, int(all.points.size())).appended.points).rms *
+                    percent);
             if (seed == 1 && !output.empty())
                 save_ply(output + "/" + name + ".ply", all.points, all.normals);
         }
-        std::printf("%-20s %8.0f | %7.4f %7.3f %6.0f %5.2f %5.3f | %7.4f %6.3f |", name.c_str(), median(count), median(rms),
-                    median(largest), median(beyond), median(gap), median(pair), median(plain), median(rms) / median(plain));
+        std::printf("%-20s %8.0f | %7.4f %7.3f %6.0f %5.2f %5.3f | %7.4f %6.3f |", name.c_str(), median(count),
+                    median(rms), median(largest), median(beyond), median(gap), median(pair), median(plain),
+                    median(rms) / median(plain));
         if (with_cgal)
             std::printf(" %7.4f", median(cgal));
         std::printf("\n");

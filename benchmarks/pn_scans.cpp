@@ -1,4 +1,5 @@
-// Real scans with normals, thinned and refined back. Usage: pn_scans <folder of models> [share 0.1] [output folder] [scan...]
+// Real scans with normals, thinned and refined back. Usage: pn_scans <folder of models> [share 0.1] [output folder]
+// [scan...]
 #include "pn_models.h"
 
 #include <recon/neighbours.h>
@@ -48,7 +49,8 @@ int main(int argc, char** argv)
             }
             return std::array<double, 2>{sum / double(from.size()) * percent, most * percent};
         };
-        const auto there = compare(model.mesh.vertices, all.points), back = compare(refined.points, model.mesh.vertices),
+        const auto there = compare(model.mesh.vertices, all.points),
+                   back = compare(refined.points, model.mesh.vertices),
                    thin = compare(model.mesh.vertices, thinned.points);
         std::printf("%-18s %8zu %8zu %8zu | %16.4f %11.3f | %16.4f %11.3f | %12.4f\n", name.c_str(), n,
                     thinned.points.size(), all.points.size(), there[0], there[1], back[0], back[1], thin[0]);

@@ -55,15 +55,18 @@ void measure(const Shape& shape, int steps)
             const double d = shape.distance(refined.points[i]);
             sum += d * d;
             most = std::max(most, d);
-            const double a = std::acos(std::min(1.0, refined.normals[i].dot(shape.normal(refined.points[i])))) * 180 / M_PI;
+            const double a =
+                std::acos(std::min(1.0, refined.normals[i].dot(shape.normal(refined.points[i])))) * 180 / M_PI;
             angles += a * a;
         }
         const double n = double(refined.points.size());
-        std::printf("  %d %8zu | RMS %.2e max %.2e of the diagonal, normals %.4f degrees | gap %.2f pair %.3f spacings | radii %.4f "
+        std::printf("  %d %8zu | RMS %.2e max %.2e of the diagonal, normals %.4f degrees | gap %.2f pair %.3f spacings "
+                    "| radii %.4f "
                     "%.4f open %d\n",
                     l, all.points.size(), std::sqrt(sum / n) / diagonal, most / diagonal, std::sqrt(angles / n),
                     largest_gap(shape.surface, all, 1) / spacing, closest_pair(shape.samples, refined.points) / spacing,
-                    refined.steps.back().median_radius, refined.steps.back().largest_radius, refined.steps.back().open_gaps);
+                    refined.steps.back().median_radius, refined.steps.back().largest_radius,
+                    refined.steps.back().open_gaps);
         std::fflush(stdout);
     }
 }

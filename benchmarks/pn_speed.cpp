@@ -1,5 +1,6 @@
-// Speed of PN refinement, beside CGAL's edge-aware upsampling in the same run. Points per second of CPU time on one thread
-// and of wall time on several. Usage: pn_speed <model.ply> [input samples] [output points] [also 10 M points: -x]
+// Speed of PN refinement, beside CGAL's edge-aware upsampling in the same run. Points per second of CPU time on one
+// thread and of wall time on several. Usage: pn_speed <model.ply> [input samples] [output points] [also 10 M points:
+// -x]
 #include "pn_models.h"
 
 #include <recon/progress.h>
@@ -103,8 +104,8 @@ int main(int argc, char** argv)
     const int cgal_count = 4 * samples;
     const EdgeAwareUpsampling cgal = upsample_edge_aware(input, cgal_count);
     const double cgal_rate = double(cgal.appended.points.size()) / cgal.cpu_seconds;
-    std::printf("%-34s %9zu %7.2f %7s %8.3f\n", "CGAL edge-aware upsampling", cgal.appended.points.size(), cgal.cpu_seconds, "",
-                cgal_rate / 1e6);
+    std::printf("%-34s %9zu %7.2f %7s %8.3f\n", "CGAL edge-aware upsampling", cgal.appended.points.size(),
+                cgal.cpu_seconds, "", cgal_rate / 1e6);
     std::printf("fast / CGAL per new point and CPU second: %.1f\n", fast_rate / cgal_rate);
 
     if (argc > 4)

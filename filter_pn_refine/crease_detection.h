@@ -8,9 +8,10 @@
 namespace recon::pn
 {
 
-/// Crease samples found in a cloud that has none: pairs of points at one position, one with each normal (samples 2 k and
-/// 2 k + 1 of the result share their position). Where near points' normals differ by more than `crease_angle` [radians], the
-/// crease runs along the intersection of their tangent planes; it is sampled about as densely as the cloud.
+/// Crease samples found in a cloud that has none: pairs of points at one position, one with each normal (samples 2 k
+/// and 2 k + 1 of the result share their position). Where near points' normals differ by more than `crease_angle`
+/// [radians], the crease runs along the intersection of their tangent planes; it is sampled about as densely as the
+/// cloud.
 HoleFill detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle);
 
 } // namespace recon::pn

@@ -28,7 +28,8 @@ HoleFill fill_holes(const UsableSamples& usable, const InitialFans& fans, double
         }
     if (order.empty())
         return fill;
-    std::nth_element(rim_spacing.begin(), rim_spacing.begin() + std::ptrdiff_t(rim_spacing.size() / 2), rim_spacing.end());
+    std::nth_element(rim_spacing.begin(), rim_spacing.begin() + std::ptrdiff_t(rim_spacing.size() / 2),
+                     rim_spacing.end());
     const double usual = rim_spacing[rim_spacing.size() / 2];
     if (hole_radius <= usual)
         return fill;
@@ -97,10 +98,11 @@ HoleFill fill_holes(const UsableSamples& usable, const InitialFans& fans, double
         for (std::size_t m = 0; m < 3; ++m)
         {
             const int parent = refined.parents[k][m];
-            parents[m] = parent < coarse_count ? origin[std::size_t(parent)] : place[std::size_t(parent - coarse_count)];
+            parents[m] =
+                parent < coarse_count ? origin[std::size_t(parent)] : place[std::size_t(parent - coarse_count)];
         }
-        const bool is_inside = (p - usable.samples.points[std::size_t(nearest)]).norm() > free && !taken.has_near(p) &&
-                               is_in_hole(p);
+        const bool is_inside =
+            (p - usable.samples.points[std::size_t(nearest)]).norm() > free && !taken.has_near(p) && is_in_hole(p);
         if (!is_inside)
         {
             place[k] = parents[0]; // stands in for it among the parents of others

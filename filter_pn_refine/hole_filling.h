@@ -13,7 +13,8 @@ namespace recon::pn
 struct HoleFill
 {
     OrientedSamples samples;
-    std::vector<std::array<int, 3>> parents; ///< Usable samples, or (from their number on) points of the fill before it.
+    std::vector<std::array<int, 3>>
+        parents; ///< Usable samples, or (from their number on) points of the fill before it.
 };
 
 /// What `refine` returns: appended points and their parents.
@@ -24,9 +25,9 @@ struct Refined
     std::vector<std::array<int, 3>> parents;
 };
 
-/// Fills holes up to `hole_radius` [units of the samples]. Radii that overlap a hole, as the paper has it, are only helpful
-/// among points as far apart as the hole is wide: so the samples around rims are thinned to that distance, refined by
-/// `refine` until they are dense again, and of what that makes the points in the holes are kept.
+/// Fills holes up to `hole_radius` [units of the samples]. Radii that overlap a hole, as the paper has it, are only
+/// helpful among points as far apart as the hole is wide: so the samples around rims are thinned to that distance,
+/// refined by `refine` until they are dense again, and of what that makes the points in the holes are kept.
 HoleFill fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
                     const std::function<Refined(const OrientedSamples&, int steps)>& refine);
 

@@ -12,7 +12,8 @@ namespace recon::pn
 namespace
 {
 
-PN_VECTOR_CLONES int make_fan(const LocalPoints& points, const Centre& c, const int* hits, int count, Ring& ring, int* fan)
+PN_VECTOR_CLONES int make_fan(const LocalPoints& points, const Centre& c, const int* hits, int count, Ring& ring,
+                              int* fan)
 {
     alignas(64) float badness[ring_capacity];
     fill_ring(points, c, hits, count, ring);
@@ -40,8 +41,8 @@ struct CreaseRule
 };
 
 /// The fan over the k nearest.
-Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k, const CreaseRule& rule, double& reach,
-             LocalPoints& local, Ring& ring)
+Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k, const CreaseRule& rule,
+             double& reach, LocalPoints& local, Ring& ring)
 {
     std::vector<int> nearest(static_cast<std::size_t>(k)), hits;
     std::vector<std::uint8_t> classes;
@@ -74,7 +75,8 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
     for (int m = 0; m < local.count; ++m)
         if (classes[std::size_t(m)] == 1)
             hits.push_back(m);
-    if (std::any_of(nearest.begin(), nearest.begin() + found, [&](int j) { return rule.is_crease[std::size_t(j)] != 0; }))
+    if (std::any_of(nearest.begin(), nearest.begin() + found,
+                    [&](int j) { return rule.is_crease[std::size_t(j)] != 0; }))
         keep_side_of_crease(local, c, float(rule.least_agreement), hits);
     int order[ring_capacity];
     const int size = make_fan(local, c, hits.data(), int(hits.size()), ring, order);

@@ -12,17 +12,16 @@ namespace recon::pn
 /// Natural one-rings of the input.
 struct InitialFans
 {
-    std::vector<double> radius;      ///< Per point, enough to hold its fan and all points whose fans hold it. 0: no fan.
-    std::vector<int> first, member;  ///< Fans as compressed rows, counter-clockwise seen from outside.
-    std::vector<double> widest_gap;  ///< Per point [radians].
-    std::vector<int> gap_from;       ///< Per point: place in `member` of the neighbour before the widest gap, -1 without.
+    std::vector<double> radius;     ///< Per point, enough to hold its fan and all points whose fans hold it. 0: no fan.
+    std::vector<int> first, member; ///< Fans as compressed rows, counter-clockwise seen from outside.
+    std::vector<double> widest_gap; ///< Per point [radians].
+    std::vector<int> gap_from; ///< Per point: place in `member` of the neighbour before the widest gap, -1 without.
 };
 
-/// Finds for each point the fan of the accurate neighbourhood (section 4.2) over its 24 nearest points, or 64 where those
-/// do not close it. `search` is over `samples.points`.
-/// \param factor radius in distances to the farthest of the fan.
-/// \param is_crease per sample: shares its position. Near such samples neighbours' normals must agree within `crease_angle`
-/// [radians].
+/// Finds for each point the fan of the accurate neighbourhood (section 4.2) over its 24 nearest points, or 64 where
+/// those do not close it. `search` is over `samples.points`. \param factor radius in distances to the farthest of the
+/// fan. \param is_crease per sample: shares its position. Near such samples neighbours' normals must agree within
+/// `crease_angle` [radians].
 InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search,
                               const std::vector<char>& is_crease, double crease_angle, double factor, int threads,
                               const Progress& progress);

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <array>
 
-/// What a task knows of the points around its leaf: gathered once, in single precision, and searched for each of its points.
+/// What a task knows of the points around its leaf: gathered once, in single precision, and searched for each of its
+/// points.
 namespace recon::pn
 {
 
@@ -34,9 +35,9 @@ struct Candidates
 struct Neighbour
 {
     float angle;
-    float gap;   ///< Angle to the next.
-    int entry;   ///< In the ring or among the arrivals.
-    bool is_new; ///< Among the arrivals.
+    float gap;    ///< Angle to the next.
+    int entry;    ///< In the ring or among the arrivals.
+    bool is_new;  ///< Among the arrivals.
     bool is_dead; ///< Nothing can fill the gap.
 };
 
@@ -56,11 +57,12 @@ struct Workspace
     int neighbour_count = 0;
     Point centre;
     double scale = 1;
-    float usual_radius = 0; ///< Median of the leaf's points.
+    float usual_radius = 0;   ///< Median of the leaf's points.
     bool has_creases = false; ///< Some local point lies on one.
 };
 
-inline void append_local(LocalPoints& to, const WorkPoint& p, double largest_radius, const Workspace& w, int leaf, int index)
+inline void append_local(LocalPoints& to, const WorkPoint& p, double largest_radius, const Workspace& w, int leaf,
+                         int index)
 {
     if (to.count == int(to.x.size()))
         to.reserve(std::max(256, 2 * to.count));
@@ -144,7 +146,8 @@ PN_INLINE void pad(Arrivals& a, int k)
     a.reach[k] = 0;
 }
 
-PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, float least_distance, const Workspace& w, Arrivals& a)
+PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, float least_distance, const Workspace& w,
+                             Arrivals& a)
 {
     const int hits = int(w.hits.size()), all = std::min(hits + int(w.rejected.size()), ring_capacity - 24);
     a.count = all;

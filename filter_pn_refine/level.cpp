@@ -130,8 +130,8 @@ Level make_level(std::vector<WorkPoint> points)
     return level;
 }
 
-Level grow_level(const Level& level, const std::vector<std::vector<Child>>& children, const std::vector<double>& next_radius,
-                 double target_radius, int threads, const Progress& progress)
+Level grow_level(const Level& level, const std::vector<std::vector<Child>>& children,
+                 const std::vector<double>& next_radius, double target_radius, int threads, const Progress& progress)
 {
     const std::size_t n = level.leaves.size();
     std::vector<int> first(n + 1, 0);

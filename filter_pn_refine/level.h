@@ -47,8 +47,8 @@ struct Leaf
 
 constexpr int leaf_capacity = 48;
 
-/// All points of one level as a sequence of leaves in the order of a kd-tree, so that neighbours in the sequence are mostly
-/// neighbours in space.
+/// All points of one level as a sequence of leaves in the order of a kd-tree, so that neighbours in the sequence are
+/// mostly neighbours in space.
 struct Level
 {
     std::vector<WorkPoint> points;
@@ -61,20 +61,19 @@ Level make_level(std::vector<WorkPoint> points);
 /// The next level: each leaf's points and then its children, split where they are too many. Radii are taken from
 /// `next_radius` (one per point of `level`); points with a radius at most `target_radius` are no longer refined. The
 /// children must have their ids.
-Level grow_level(const Level& level, const std::vector<std::vector<Child>>& children, const std::vector<double>& next_radius,
-                 double target_radius, int threads, const Progress& progress);
+Level grow_level(const Level& level, const std::vector<std::vector<Child>>& children,
+                 const std::vector<double>& next_radius, double target_radius, int threads, const Progress& progress);
 
-/// Leaves whose refinement may touch the same points: those whose boxes, grown by their largest radii, meet. Leaves of one
-/// colour do not, so they can be refined side by side.
+/// Leaves whose refinement may touch the same points: those whose boxes, grown by their largest radii, meet. Leaves of
+/// one colour do not, so they can be refined side by side.
 struct LeafGraph
 {
-    std::vector<int> first, neighbour; ///< Compressed rows, a leaf's own index left out, ascending.
+    std::vector<int> first, neighbour;     ///< Compressed rows, a leaf's own index left out, ascending.
     std::vector<std::vector<int>> colours; ///< Leaves with points to refine, ascending in each.
 };
 LeafGraph connect_leaves(const Level& level, int threads, const Progress& progress);
 
-/// Children of one level that lie in no leaf's hands yet are added by index of point: position in level.points of each id,
-/// -1 for none.
+/// Position in level.points of each id below `ids`, -1 for none.
 std::vector<int> places_of_ids(const Level& level, int ids);
 
 /// Leaf that holds the point at this place.

@@ -9,8 +9,8 @@
 namespace recon::pn
 {
 
-/// Turns unit normals that clearly contradict those of the nearest points on the same sheet, until none is left (at most
-/// eight rounds). A cloud that is inside out as a whole stays so. \returns the indices turned, ascending.
+/// Turns unit normals that clearly contradict those of the nearest points on the same sheet, until none is left (at
+/// most eight rounds). A cloud that is inside out as a whole stays so. \returns the indices turned, ascending.
 std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const NeighbourSearch& search, int threads,
                                             const Progress& progress);
 

@@ -21,17 +21,20 @@ struct Options : recon::PnRefineOptions
 plugin::ParameterTable<Options> table()
 {
     return plugin::ParameterTable<Options>()
-        .count("steps", &Options::steps, "Steps", "Refinement steps. Each makes about two to three times as many points.")
+        .count("steps", &Options::steps, "Steps",
+               "Refinement steps. Each makes about two to three times as many points.")
         .length("target_radius", &Options::target_radius, "Target radius",
                 "Where the points' radii are at most this, refinement stops. 0: off.")
-        .choice("neighbourhood", &Options::neighbourhood, {"automatic", "fast fuzzy BSP", "accurate geodesic"},
-                "Neighbourhood",
-                "How the neighbours of a point are chosen. The accurate one copes better with few samples on curved parts; "
-                "automatic uses it only there.")
+        .choice(
+            "neighbourhood", &Options::neighbourhood, {"automatic", "fast fuzzy BSP", "accurate geodesic"},
+            "Neighbourhood",
+            "How the neighbours of a point are chosen. The accurate one copes better with few samples on curved parts; "
+            "automatic uses it only there.")
         .flag("fast", &Options::fast, "Fast", "Four shortcuts that cost accuracy only where the samples are few.")
-        .length("initial_radius", &Options::initial_radius, "Initial radius",
-                "Radius of each point at the start; it must reach the point's neighbours. 0: the layer's radii if it has "
-                "them, else found for each point.")
+        .length(
+            "initial_radius", &Options::initial_radius, "Initial radius",
+            "Radius of each point at the start; it must reach the point's neighbours. 0: the layer's radii if it has "
+            "them, else found for each point.")
         .length("hole_radius", &Options::hole_radius, "Hole radius",
                 "Holes up to this radius are filled smoothly; bays of an outer rim are, too. 0: off.")
         .number("boundary_angle", &Options::boundary_angle, "Boundary angle",
@@ -39,7 +42,8 @@ plugin::ParameterTable<Options> table()
         .number("crease_angle", &Options::crease_angle, "Crease angle",
                 "Normals that differ by more make a crease, 0 to 180 degrees.")
         .flag("detect_creases", &Options::detect_creases, "Detect creases",
-              "Puts crease points between neighbours whose normals differ by more than the crease angle. Off: creases are "
+              "Puts crease points between neighbours whose normals differ by more than the crease angle. Off: creases "
+              "are "
               "only where two vertices share one position.")
         .flag("preserve_boundaries", &Options::preserve_boundaries, "Preserve boundaries",
               "Refines rims along their own curves.")
@@ -64,7 +68,8 @@ bool has_normals(const plugin::InputLayer& layer)
                        [](const recon::Vector& n) { return n.allFinite() && n.squaredNorm() > 0; });
 }
 
-std::vector<plugin::Colour> interpolate_colours(const recon::PnRefinement& refined, const std::vector<plugin::Colour>& input)
+std::vector<plugin::Colour> interpolate_colours(const recon::PnRefinement& refined,
+                                                const std::vector<plugin::Colour>& input)
 {
     if (input.empty())
         return {};
@@ -189,15 +194,17 @@ plugin::PluginSpec plugin::describe_plugin()
     FilterSpec filter;
     filter.name = "Point Cloud Refinement: PN Triangles";
     filter.python_name = "meshing_point_cloud_refinement_pn";
-    filter.info =
-        "Makes a sparse <b>point cloud with normals</b> dense and smooth. The points stay where they are; between them new "
-        "ones are put onto curved triangles that follow the normals, step by step, until the cloud looks like a surface. "
-        "New vertices get position, normal, radius, and colour and quality between those of their neighbours. Sharp creases "
-        "(two vertices at one position with different normals) and rims are kept, holes can be filled.<br>"
-        "Without normals, they are computed from Delaunay balls first.<br><br>"
-        "See:<br><i>G. Guennebaud, L. Barthe, M. Paulin</i><br>"
-        "<b>\"Interpolatory Refinement for Real-Time Processing of Point-Based Geometry\"</b><br>"
-        "Computer Graphics Forum 24 (Eurographics 2005).<br>";
+    filter.info = "Makes a sparse <b>point cloud with normals</b> dense and smooth. The points stay where they are; "
+                  "between them new "
+                  "ones are put onto curved triangles that follow the normals, step by step, until the cloud looks "
+                  "like a surface. "
+                  "New vertices get position, normal, radius, and colour and quality between those of their "
+                  "neighbours. Sharp creases "
+                  "(two vertices at one position with different normals) and rims are kept, holes can be filled.<br>"
+                  "Without normals, they are computed from Delaunay balls first.<br><br>"
+                  "See:<br><i>G. Guennebaud, L. Barthe, M. Paulin</i><br>"
+                  "<b>\"Interpolatory Refinement for Real-Time Processing of Point-Based Geometry\"</b><br>"
+                  "Computer Graphics Forum 24 (Eurographics 2005).<br>";
     filter.category = Category::remeshing | Category::point_set;
     filter.effects = Effect::makes_layer | Effect::appends_vertices | Effect::changes_normals | Effect::changes_radii;
     filter.compute_with(table(), refine);

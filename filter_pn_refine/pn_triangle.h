@@ -54,8 +54,8 @@ inline Vec3<T> pn_centre(const Vec3<T>& p0, const Vec3<T>& p1, const Vec3<T>& p2
     return (p0 + p1 + p2) / T(3) + (t.t01 + t.t02 + t.t10 + t.t12 + t.t20 + t.t21) / T(6);
 }
 
-/// Normal of the patch there, not normalised; counter-clockwise triangles give outward normals. The paper prints a factor
-/// 7 before the edges; what follows from its eq. 1 is 1.
+/// Normal of the patch there, not normalised; counter-clockwise triangles give outward normals. The paper prints a
+/// factor 7 before the edges; what follows from its eq. 1 is 1.
 template <class T>
 inline Vec3<T> pn_centre_normal(const Vec3<T>& p0, const Vec3<T>& p1, const Vec3<T>& p2, const PnTangents<T>& t)
 {
@@ -73,13 +73,14 @@ inline Vec3<T> pn_point(const PointNormal<T>& p0, const PointNormal<T>& p1, cons
     const PnTangents<T> t = pn_tangents(p0, p1, p2);
     const T w = T(1) - u - v;
     const Vec3<T>&a = p0.position, &b = p1.position, &c = p2.position;
-    const Vec3<T> b210 = a + t.t01, b201 = a + t.t02, b120 = b + t.t10, b021 = b + t.t12, b102 = c + t.t20, b012 = c + t.t21;
+    const Vec3<T> b210 = a + t.t01, b201 = a + t.t02, b120 = b + t.t10, b021 = b + t.t12, b102 = c + t.t20,
+                  b012 = c + t.t21;
     const Vec3<T> middle = (a + b + c) / T(3);
     const Vec3<T> mean = (b210 + b201 + b120 + b021 + b102 + b012) / T(6);
     const Vec3<T> b111 = middle + T(1.5) * (mean - middle);
     return a * (w * w * w) + b * (u * u * u) + c * (v * v * v) +
-           T(3) * (b210 * (w * w * u) + b120 * (w * u * u) + b201 * (w * w * v) + b021 * (u * u * v) + b102 * (w * v * v) +
-                   b012 * (u * v * v)) +
+           T(3) * (b210 * (w * w * u) + b120 * (w * u * u) + b201 * (w * w * v) + b021 * (u * u * v) +
+                   b102 * (w * v * v) + b012 * (u * v * v)) +
            b111 * (T(6) * u * v * w);
 }
 
@@ -89,7 +90,8 @@ inline Vec3<T> pn_curve_point(const PointNormal<T>& p0, const PointNormal<T>& p1
 {
     const T s = T(1) - t;
     const Vec3<T> b210 = p0.position + pn_tangent(p0, p1.position), b120 = p1.position + pn_tangent(p1, p0.position);
-    return p0.position * (s * s * s) + b210 * (T(3) * s * s * t) + b120 * (T(3) * s * t * t) + p1.position * (t * t * t);
+    return p0.position * (s * s * s) + b210 * (T(3) * s * s * t) + b120 * (T(3) * s * t * t) +
+           p1.position * (t * t * t);
 }
 
 /// Length of the curve's control polygon (eq. 4).

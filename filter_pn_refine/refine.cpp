@@ -33,7 +33,8 @@ void check_options(const OrientedSamples& samples, const PnRefineOptions& option
             throw InvalidInput(message);
     };
     require(samples.points.size() == samples.normals.size(), "There must be one normal for each point.");
-    require(hints.radii.empty() || hints.radii.size() == samples.points.size(), "There must be one radius for each point.");
+    require(hints.radii.empty() || hints.radii.size() == samples.points.size(),
+            "There must be one radius for each point.");
     require(hints.is_refined.empty() || hints.is_refined.size() == samples.points.size(),
             "There must be one mark for each point that says whether it is refined.");
     require(options.steps >= 0 && options.steps <= 30, "The number of steps must lie between 0 and 30.");
@@ -54,9 +55,12 @@ Precision choose_precision(const PnRefineOptions& options)
         return Precision::fast;
     switch (options.neighbourhood)
     {
-    case PnNeighbourhood::fuzzy: return Precision::fuzzy;
-    case PnNeighbourhood::accurate: return Precision::accurate;
-    default: return Precision::automatic;
+    case PnNeighbourhood::fuzzy:
+        return Precision::fuzzy;
+    case PnNeighbourhood::accurate:
+        return Precision::accurate;
+    default:
+        return Precision::automatic;
     }
 }
 
@@ -71,7 +75,8 @@ void warn_of_left_out(const UsableSamples& usable, PnRefinement& result)
         result.warnings.push_back(count_of(usable.without_normal, "point has", "points have") +
                                   " no normal and took no part.");
     if (usable.duplicates > 0)
-        result.warnings.push_back(count_of(usable.duplicates, "duplicate point", "duplicate points") + " took no part.");
+        result.warnings.push_back(count_of(usable.duplicates, "duplicate point", "duplicate points") +
+                                  " took no part.");
     if (usable.isolated > 0)
         result.warnings.push_back(count_of(usable.isolated, "isolated point", "isolated points") + " took no part.");
     result.left_out = usable.without_normal + usable.duplicates + usable.isolated;
@@ -121,12 +126,12 @@ public:
         times.begin("radii");
         if (options_.detect_creases)
         {
-            result_.crease_points = put_in(usable, detect_creases(usable, *search, options_.crease_angle * radians), true);
+            result_.crease_points =
+                put_in(usable, detect_creases(usable, *search, options_.crease_angle * radians), true);
             search = std::make_unique<NeighbourSearch>(usable.samples.points);
         }
-        InitialFans fans =
-            find_initial_fans(usable.samples, *search, usable.is_crease, options_.crease_angle * radians, 1.5, threads_,
-                              progress.part(0.06, 0.15, "radii"));
+        InitialFans fans = find_initial_fans(usable.samples, *search, usable.is_crease, options_.crease_angle * radians,
+                                             1.5, threads_, progress.part(0.06, 0.15, "radii"));
         if (options_.hole_radius > 0 && fill(usable, fans))
             fans = find_initial_fans(usable.samples, NeighbourSearch(usable.samples.points), usable.is_crease,
                                      options_.crease_angle * radians, 1.5, threads_, {});
@@ -174,8 +179,8 @@ private:
             PnRefinement r = refine_points(samples, options);
             return Refined{std::move(r.points), std::move(r.normals), std::move(r.parents)};
         };
-        const HoleFill fill = fill_holes(usable, fans, options_.boundary_angle * radians,
-                                         options_.hole_radius / frame_.scale(), refine);
+        const HoleFill fill =
+            fill_holes(usable, fans, options_.boundary_angle * radians, options_.hole_radius / frame_.scale(), refine);
         result_.hole_points = put_in(usable, fill, false);
         return result_.hole_points > 0;
     }
@@ -225,7 +230,8 @@ private:
             p.normal = usable.samples.normals[i];
             p.radius = radii[i];
             p.id = usable.input[i];
-            const bool is_frozen = usable.input[i] < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(usable.input[i])];
+            const bool is_frozen =
+                usable.input[i] < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(usable.input[i])];
             p.flags = is_frozen ? WorkPoint::frozen : (p.radius > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
                 p.flags |= WorkPoint::crease;

@@ -22,20 +22,21 @@ enum class PnNeighbourhood
 /// Options of refine_points(). Lengths are in input units.
 struct PnRefineOptions
 {
-    int steps = 3;                                                ///< Refinement steps, each about doubles the points [count], 0 to 30.
-    double target_radius = 0;                                     ///< Points with a radius at most this are not refined further [length], >= 0; 0 = off.
+    int steps = 3;            ///< Refinement steps, each about doubles the points [count], 0 to 30.
+    double target_radius = 0; ///< Points with a radius at most this are not refined further [length], >= 0; 0 = off.
     PnNeighbourhood neighbourhood = PnNeighbourhood::automatic;
-    bool fast = false;                                            ///< All four shortcuts of section 7 everywhere: less exact where samples are few.
-    double initial_radius = 0;                                    ///< Radius of each point at the start [length], >= 0; 0 = automatic or given per point.
-    double hole_radius = 0;                                       ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
-    double boundary_angle = 150;                                  ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.
-    double crease_angle = 45;                                     ///< Normals that differ by more make a crease [degrees], 0 to 180.
-    bool detect_creases = false;                                  ///< Puts crease samples between neighbours whose normals differ by more than crease_angle. Else creases are only where two points share one position.
-    bool preserve_boundaries = true;                              ///< Refines the rim along its own curve.
-    bool preserve_creases = true;                                 ///< Refines creases along their own curve, with both normals.
-    bool repair_normals = true;                                   ///< Turns normals that most neighbours contradict.
-    int max_points = 50000000;                                    ///< A step that would make more points in all is not done [count], >= 1.
-    int threads = 0;                                              ///< 0 = all cores. The result does not depend on it.
+    bool fast = false;         ///< All four shortcuts of section 7 everywhere: less exact where samples are few.
+    double initial_radius = 0; ///< Radius of each point at the start [length], >= 0; 0 = automatic or given per point.
+    double hole_radius = 0;    ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
+    double boundary_angle = 150;     ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.
+    double crease_angle = 45;        ///< Normals that differ by more make a crease [degrees], 0 to 180.
+    bool detect_creases = false;     ///< Puts crease samples between neighbours whose normals differ by more than
+                                     ///< crease_angle. Else creases are only where two points share one position.
+    bool preserve_boundaries = true; ///< Refines the rim along its own curve.
+    bool preserve_creases = true;    ///< Refines creases along their own curve, with both normals.
+    bool repair_normals = true;      ///< Turns normals that most neighbours contradict.
+    int max_points = 50000000;       ///< A step that would make more points in all is not done [count], >= 1.
+    int threads = 0;                 ///< 0 = all cores. The result does not depend on it.
 };
 
 /// What refine_points() may know about the input besides points and normals. Empty: nothing.
@@ -48,7 +49,7 @@ struct PnRefineHints
 /// Of one step.
 struct PnStepStatistics
 {
-    int points = 0; ///< In all after it.
+    int points = 0;                                                    ///< In all after it.
     double smallest_radius = 0, median_radius = 0, largest_radius = 0; ///< [length]
     int open_gaps = 0; ///< Points whose new neighbourhood stayed open: rims, holes.
     double seconds = 0;
@@ -67,19 +68,19 @@ struct PnRefinement
     std::vector<int> turned_normals; ///< Input points whose normal was turned before refinement, ascending.
     std::vector<PnStepStatistics> steps;
     int boundary_segments = 0, crease_segments = 0; ///< At the start.
-    int crease_points = 0; ///< Points put onto detected creases before the first step, two at each position; they come first.
-    int hole_points = 0;   ///< Points put into holes before the first step; they come next.
-    int left_out = 0; ///< Input points that took no part: duplicates, without normal, isolated.
+    int crease_points =
+        0; ///< Points put onto detected creases before the first step, two at each position; they come first.
+    int hole_points = 0; ///< Points put into holes before the first step; they come next.
+    int left_out = 0;    ///< Input points that took no part: duplicates, without normal, isolated.
     std::vector<std::pair<std::string, double>> seconds; ///< Per phase.
     std::vector<std::string> warnings;
 };
 
-/// Makes an oriented point cloud denser and smooth without moving its points: in every step each point's neighbourhood is
-/// completed by centres of PN triangles (Guennebaud, Barthe, Paulin, "Interpolatory Refinement for Real-Time Processing of
-/// Point-Based Geometry", Eurographics 2005). Points that cannot take part are left out with a warning. Normals of any
-/// length > 0. \pre samples.points and samples.normals have the same size.
-/// \throws InvalidInput for no points, a point that is not finite, an option out of range, no usable normal. \throws
-/// Cancelled: there is no result.
+/// Makes an oriented point cloud denser and smooth without moving its points: in every step each point's neighbourhood
+/// is completed by centres of PN triangles (Guennebaud, Barthe, Paulin, "Interpolatory Refinement for Real-Time
+/// Processing of Point-Based Geometry", Eurographics 2005). Points that cannot take part are left out with a warning.
+/// Normals of any length > 0. \pre samples.points and samples.normals have the same size. \throws InvalidInput for no
+/// points, a point that is not finite, an option out of range, no usable normal. \throws Cancelled: there is no result.
 PnRefinement refine_points(const OrientedSamples& samples, const PnRefineOptions& options = {},
                            const PnRefineHints& hints = {}, const Progress& progress = {});
 

@@ -25,7 +25,8 @@ PN_INLINE void add_tangent(float ex, float ey, float ez, float nx, float ny, flo
 }
 
 /// Centres of the triangles of the fan; none across a gap of half a turn or more, none from slivers.
-PN_INLINE void list_candidates(const Centre& c, const Ring& ring, const int* fan, int size, bool displaced, Candidates& out)
+PN_INLINE void list_candidates(const Centre& c, const Ring& ring, const int* fan, int size, bool displaced,
+                               Candidates& out)
 {
     int n = 0;
     for (int k = 0; k < size && size > 1; ++k)
@@ -34,7 +35,8 @@ PN_INLINE void list_candidates(const Centre& c, const Ring& ring, const int* fan
         if (turn_to_next(ring.angle[a], ring.angle[b], k + 1 == size) >= half_turn - 1e-4f)
             continue;
         const float dx = ring.x[b] - ring.x[a], dy = ring.y[b] - ring.y[a], dz = ring.z[b] - ring.z[a];
-        const float cx = ring.y[a] * ring.z[b] - ring.z[a] * ring.y[b], cy = ring.z[a] * ring.x[b] - ring.x[a] * ring.z[b],
+        const float cx = ring.y[a] * ring.z[b] - ring.z[a] * ring.y[b],
+                    cy = ring.z[a] * ring.x[b] - ring.x[a] * ring.z[b],
                     cz = ring.x[a] * ring.y[b] - ring.y[a] * ring.x[b];
         const float longest = std::max(dx * dx + dy * dy + dz * dz,
                                        std::max(ring.length[a] * ring.length[a], ring.length[b] * ring.length[b]));
@@ -101,7 +103,8 @@ PN_INLINE bool is_discarded(float x, float y, float z, float least, const Ring& 
     for (int k = 0, n = padded(ring.count); k < n; ++k)
         bad |= int(distance2(x, y, z, ring.x[k], ring.y[k], ring.z[k]) < least2);
     for (int k = 0, n = padded(arrivals.count); k < n; ++k)
-        bad |= int(distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]) < arrivals.reach[k] * arrivals.reach[k]);
+        bad |= int(distance2(x, y, z, arrivals.x[k], arrivals.y[k], arrivals.z[k]) <
+                   arrivals.reach[k] * arrivals.reach[k]);
     return bad != 0;
 }
 
@@ -126,7 +129,8 @@ struct PointRefiner
     {
         const auto e = std::size_t(j.entry);
         if (!j.is_new)
-            return {w.ring.x[e], w.ring.y[e], w.ring.z[e], w.ring.length[e], {w.ring.nx[e], w.ring.ny[e], w.ring.nz[e]}};
+            return {
+                w.ring.x[e], w.ring.y[e], w.ring.z[e], w.ring.length[e], {w.ring.nx[e], w.ring.ny[e], w.ring.nz[e]}};
         const auto i = std::size_t(w.arrivals.source[e]);
         return {w.arrivals.x[e],
                 w.arrivals.y[e],
@@ -148,7 +152,8 @@ struct PointRefiner
     {
         const Place a = place(w.neighbours[from]), b = place(w.neighbours[to]);
         const PointNormal<float> pa{{a.x, a.y, a.z}, a.normal}, pb{{b.x, b.y, b.z}, b.normal};
-        const Eigen::Vector3f c1 = pa.position + pn_tangent(pa, pb.position), c2 = pb.position + pn_tangent(pb, pa.position);
+        const Eigen::Vector3f c1 = pa.position + pn_tangent(pa, pb.position),
+                              c2 = pb.position + pn_tangent(pb, pa.position);
         const auto angle = [](const Eigen::Vector3f& p, const Eigen::Vector3f& q)
         { return fast_angle(p.dot(q), p.cross(q).norm()); };
         return angle(pa.position, c1) + angle(c1, c2) + angle(c2, pb.position);
@@ -332,10 +337,16 @@ struct PointRefiner
         const WorkPoint& p = old_point(own);
         const LocalPoints& old_points = w.old_points;
         const auto o = std::size_t(own);
-        Centre c{old_points.x[o], old_points.y[o], old_points.z[o],
-                 {old_points.nx[o], old_points.ny[o], old_points.nz[o]}, {}, {}, 1 / old_points.radius[o]};
+        Centre c{old_points.x[o],
+                 old_points.y[o],
+                 old_points.z[o],
+                 {old_points.nx[o], old_points.ny[o], old_points.nz[o]},
+                 {},
+                 {},
+                 1 / old_points.radius[o]};
         set_tangents(c);
-        least_distance = std::max(LocalRules::least_distance, LocalRules::least_usual * w.usual_radius * c.inverse_radius);
+        least_distance =
+            std::max(LocalRules::least_distance, LocalRules::least_usual * w.usual_radius * c.inverse_radius);
 
         find_near(old_points, c, w);
         if (w.has_creases)
@@ -374,8 +385,8 @@ struct PointRefiner
         // A rim stays open: keeping the radius large there would only collect neighbours.
         bool is_rim = fan_size < 2;
         for (int k = 0; k < fan_size && !is_rim; ++k)
-            is_rim = turn_to_next(ring.angle[fan[k]], ring.angle[fan[k + 1 == fan_size ? 0 : k + 1]], k + 1 == fan_size) >
-                     step.boundary_angle;
+            is_rim = turn_to_next(ring.angle[fan[k]], ring.angle[fan[k + 1 == fan_size ? 0 : k + 1]],
+                                  k + 1 == fan_size) > step.boundary_angle;
         const bool is_large = old_points.radius[o] > LocalRules::largest_open * w.usual_radius;
         write_radii(own, c, is_open && !is_rim && !is_large);
         return is_open;
@@ -401,7 +412,8 @@ struct PointRefiner
         for (int k = 0; k < n; ++k)
         {
             const Neighbour& j = w.neighbours[k];
-            const Neighbour &before = w.neighbours[k == 0 ? n - 1 : k - 1], &after = w.neighbours[k + 1 == n ? 0 : k + 1];
+            const Neighbour &before = w.neighbours[k == 0 ? n - 1 : k - 1],
+                            &after = w.neighbours[k + 1 == n ? 0 : k + 1];
             const auto at = [&](const Neighbour& m)
             {
                 const float *x = m.is_new ? w.arrivals.x : w.ring.x, *y = m.is_new ? w.arrivals.y : w.ring.y,
@@ -419,7 +431,8 @@ struct PointRefiner
             float& old = (j.is_new ? w.new_points.radius : w.next)[source];
             // Nor may a point with a large radius, at the rim of a hole, raise those of all others around it.
             const float limit = (j.is_new ? w.new_points : w.old_points).largest_radius[source];
-            old = std::max(old, std::min(std::min(std::sqrt(reach2) * hair, LocalRules::shrink) / c.inverse_radius, limit));
+            old = std::max(old,
+                           std::min(std::min(std::sqrt(reach2) * hair, LocalRules::shrink) / c.inverse_radius, limit));
         }
         float& own_next = w.next[std::size_t(own)];
         own_next = std::max(own_next, std::min(std::sqrt(radius2) * hair, LocalRules::shrink) / c.inverse_radius);

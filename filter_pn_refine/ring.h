@@ -13,8 +13,8 @@
 #define PN_INLINE inline __attribute__((always_inline))
 #pragma GCC diagnostic ignored "-Wpsabi" // Lanes never cross a call: everything is inlined
 
-/// The neighbourhoods of section 4, in single precision and in the frame of one point: it lies at the origin and its radius
-/// is 1. Which points are neighbours does not need more digits; what is inserted is computed in double.
+/// The neighbourhoods of section 4, in single precision and in the frame of one point: it lies at the origin and its
+/// radius is 1. Which points are neighbours does not need more digits; what is inserted is computed in double.
 namespace recon::pn
 {
 
@@ -24,7 +24,7 @@ struct LocalPoints
     std::vector<float> x, y, z, nx, ny, nz;
     std::vector<float> radius;
     std::vector<float> largest_radius; ///< What it may be raised to.
-    std::vector<int> leaf, index; ///< Where the point comes from.
+    std::vector<int> leaf, index;      ///< Where the point comes from.
     int count = 0;
 
     void clear() { count = 0; }
@@ -53,7 +53,10 @@ constexpr int ring_capacity = 128;
 /// Loops over rings run to whole vectors; what pads them lies far away and disturbs nothing.
 constexpr int lane_count = 16;
 using Lanes = float __attribute__((vector_size(64)));
-PN_INLINE int padded(int n) { return (n + lane_count - 1) & ~(lane_count - 1); }
+PN_INLINE int padded(int n)
+{
+    return (n + lane_count - 1) & ~(lane_count - 1);
+}
 PN_INLINE Lanes load(const float* values)
 {
     Lanes x;
@@ -69,8 +72,8 @@ struct Ring
     alignas(64) float x[ring_capacity], y[ring_capacity], z[ring_capacity];
     alignas(64) float nx[ring_capacity], ny[ring_capacity], nz[ring_capacity];
     alignas(64) float length[ring_capacity];
-    alignas(64) float u[ring_capacity], v[ring_capacity]; ///< Tangent-plane coordinates.
-    alignas(64) float angle[ring_capacity];               ///< Of (u, v) [radians], -pi to pi.
+    alignas(64) float u[ring_capacity], v[ring_capacity];                      ///< Tangent-plane coordinates.
+    alignas(64) float angle[ring_capacity];                                    ///< Of (u, v) [radians], -pi to pi.
     alignas(64) float tx[ring_capacity], ty[ring_capacity], tz[ring_capacity]; ///< Sum of both tangents of the curve.
     alignas(64) float flatness[ring_capacity];                                 ///< n0 . n.
     int source[ring_capacity];                                                 ///< Index among the local points.
@@ -115,8 +118,8 @@ PN_INLINE void classify_points(const LocalPoints& points, const Centre& c, std::
         classes[j] = 0;
 }
 
-/// Lists the points of class 1 and of class 2, ascending; both lists hold at least n. Few points of many are in either, so
-/// eight are passed over at a time.
+/// Lists the points of class 1 and of class 2, ascending; both lists hold at least n. Few points of many are in either,
+/// so eight are passed over at a time.
 PN_INLINE void list_classes(const std::uint8_t* classes, int n, int* ones, int& one_count, int* twos, int& two_count)
 {
     one_count = two_count = 0;
@@ -136,8 +139,8 @@ PN_INLINE void list_classes(const std::uint8_t* classes, int n, int* ones, int& 
     }
 }
 
-/// Keeps of too many hits the four nearest in each of 24 sectors: what the fan can hold comes from all around, also where
-/// a radius reaches across a hole.
+/// Keeps of too many hits the four nearest in each of 24 sectors: what the fan can hold comes from all around, also
+/// where a radius reaches across a hole.
 inline void thin_hits(const LocalPoints& points, const Centre& c, std::vector<int>& hits)
 {
     constexpr int sectors = 24, each = 4;
@@ -172,8 +175,8 @@ inline void thin_hits(const LocalPoints& points, const Centre& c, std::vector<in
         hits.insert(hits.end(), best[s], best[s] + filled[s]);
 }
 
-/// Near a crease: drops hits from its other side, that is with normals that agree too little or, at a crease point, more
-/// with another normal of that point.
+/// Near a crease: drops hits from its other side, that is with normals that agree too little or, at a crease point,
+/// more with another normal of that point.
 inline void keep_side_of_crease(const LocalPoints& points, const Centre& c, float least, std::vector<int>& hits)
 {
     std::vector<int> twins;
@@ -193,8 +196,8 @@ inline void keep_side_of_crease(const LocalPoints& points, const Centre& c, floa
         const float own = agreement(c.n[0], c.n[1], c.n[2], j);
         bool stays = own >= least;
         for (int t : twins)
-            stays = stays && agreement(points.nx[std::size_t(t)], points.ny[std::size_t(t)], points.nz[std::size_t(t)], j) <=
-                                 own + 1e-5f;
+            stays = stays && agreement(points.nx[std::size_t(t)], points.ny[std::size_t(t)], points.nz[std::size_t(t)],
+                                       j) <= own + 1e-5f;
         if (stays)
             hits[kept++] = j;
     }
@@ -283,8 +286,8 @@ PN_INLINE void measure_badness(const Ring& ring, float* badness)
     alignas(64) float successors[ring_capacity], predecessors[ring_capacity];
     for (int i = 0; i < n; i += lane_count)
     {
-        // Sixteen entries against one at a time. The sine enters with its sign times its square: one division a pair, and
-        // the root is taken of the maximum.
+        // Sixteen entries against one at a time. The sine enters with its sign times its square: one division a pair,
+        // and the root is taken of the maximum.
         const Lanes ui = load(ring.u + i), vi = load(ring.v + i), li = load(length + i);
         const Lanes xi = in_plane ? ui : load(ring.x + i), yi = in_plane ? vi : load(ring.y + i), zi = load(ring.z + i);
         const Lanes squared = li * li, least = Lanes{} - 1;
@@ -292,7 +295,8 @@ PN_INLINE void measure_badness(const Ring& ring, float* badness)
         for (int j = 0; j < count; ++j)
         {
             const float lj = length[j];
-            const Lanes g = in_plane ? xi * ring.u[j] + yi * ring.v[j] : xi * ring.x[j] + yi * ring.y[j] + zi * ring.z[j];
+            const Lanes g =
+                in_plane ? xi * ring.u[j] + yi * ring.v[j] : xi * ring.x[j] + yi * ring.y[j] + zi * ring.z[j];
             const Lanes along = g * inverse[j] - lj;
             const Lanes apart = squared + lj * lj - 2 * g;
             const Lanes size = along > 0 ? along : -along;
@@ -385,8 +389,8 @@ PN_INLINE float turn(float from, float to)
     return a >= 0 ? a : a + 6.28318531f;
 }
 
-/// The same for successive ones of a list sorted by angle: directions that are equal are no full turn apart, except where
-/// the last is followed by the first.
+/// The same for successive ones of a list sorted by angle: directions that are equal are no full turn apart, except
+/// where the last is followed by the first.
 PN_INLINE float turn_to_next(float from, float to, bool is_last)
 {
     return is_last ? to - from + 6.28318531f : to - from;

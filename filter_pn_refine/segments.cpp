@@ -128,8 +128,9 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
     std::vector<Segment> segments;
     for (const CreaseLink& link : found)
     {
-        const Vector d = (usable.samples.points[std::size_t(link.place_b)] - usable.samples.points[std::size_t(link.place_a)]) /
-                         link.length;
+        const Vector d =
+            (usable.samples.points[std::size_t(link.place_b)] - usable.samples.points[std::size_t(link.place_a)]) /
+            link.length;
         const auto is_free = [&](int place, const Vector& direction)
         {
             const Vectors& t = taken[place];

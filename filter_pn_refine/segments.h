@@ -17,7 +17,8 @@ struct Segment
 };
 
 /// Pairs of rim points that follow each other on both their fans.
-std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans, double boundary_angle);
+std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans,
+                                            double boundary_angle);
 
 /// Pairs of crease positions that are neighbours on two sides: straight on, not across.
 std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans, double crease_angle);
@@ -29,8 +30,8 @@ struct InsertedThirds
     bool is_done = false;
 };
 
-/// Inserts two points (on creases two pairs) on each segment whose ends are still refined, at the thirds of its cubic curve,
-/// as children of the leaves that hold its ends.
+/// Inserts two points (on creases two pairs) on each segment whose ends are still refined, at the thirds of its cubic
+/// curve, as children of the leaves that hold its ends.
 std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
                                           std::vector<std::vector<Child>>& children);
 

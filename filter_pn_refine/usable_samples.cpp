@@ -49,8 +49,8 @@ std::vector<char> find_isolated(const Points& points, int threads)
 
 } // namespace
 
-UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
-                                    const Progress& progress)
+UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle,
+                                    int threads, const Progress& progress)
 {
     UsableSamples usable;
     const int n = int(input.points.size());

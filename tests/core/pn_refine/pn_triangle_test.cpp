@@ -20,8 +20,9 @@ struct Triangle
 Triangle random_triangle(std::mt19937& random)
 {
     std::uniform_real_distribution<double> u(-0.4, 0.4);
-    const auto corner = [&](double x, double y)
-    { return Corner{Vec(x + u(random), y + u(random), u(random)), Vec(u(random), u(random), 1).normalized()}; };
+    const auto corner = [&](double x, double y) {
+        return Corner{Vec(x + u(random), y + u(random), u(random)), Vec(u(random), u(random), 1).normalized()};
+    };
     return {corner(0, 0), corner(2, 0), corner(0, 2)};
 }
 
@@ -47,8 +48,8 @@ TEST(PnTriangle, NormalAgreesWithFiniteDifferencesOfThePatch)
         const auto at = [&](double u, double v) { return recon::pn_point(t.a, t.b, t.c, u, v); };
         const Vec du = (at(third + h, third) - at(third - h, third)) / (2 * h);
         const Vec dv = (at(third, third + h) - at(third, third - h)) / (2 * h);
-        const Vec normal = recon::pn_centre_normal(t.a.position, t.b.position, t.c.position,
-                                                   recon::pn_tangents(t.a, t.b, t.c));
+        const Vec normal =
+            recon::pn_centre_normal(t.a.position, t.b.position, t.c.position, recon::pn_tangents(t.a, t.b, t.c));
         EXPECT_LT(normal.normalized().cross(du.cross(dv).normalized()).norm(), 1e-8);
         EXPECT_GT(normal.dot(du.cross(dv)), 0);
     }
@@ -114,12 +115,14 @@ TEST(PnTriangle, CurvedAngleIsTheAngleThatTheCurveSweeps)
     for (int i = 0; i < 100; ++i)
     {
         const Triangle t = random_triangle(random);
-        // The control polygon seen from the apex sweeps at least what the curve does, and on such triangles not much more.
+        // The control polygon seen from the apex sweeps at least what the curve does, and on such triangles not much
+        // more.
         double swept = 0;
         constexpr int parts = 2000;
         for (int k = 0; k < parts; ++k)
-            swept += recon::angle_between<double>(recon::pn_curve_point(t.b, t.c, double(k) / parts) - t.a.position,
-                                                  recon::pn_curve_point(t.b, t.c, double(k + 1) / parts) - t.a.position);
+            swept +=
+                recon::angle_between<double>(recon::pn_curve_point(t.b, t.c, double(k) / parts) - t.a.position,
+                                             recon::pn_curve_point(t.b, t.c, double(k + 1) / parts) - t.a.position);
         const double angle = recon::curved_angle(t.a.position, t.b, t.c);
         EXPECT_GE(angle, swept * (1 - 1e-6));
         EXPECT_LT(angle, swept * 1.15 + 0.02);
@@ -143,7 +146,7 @@ TEST(PnTriangle, Equation6OnConstructedCases)
         return recon::is_consistent(a, b);
     };
     EXPECT_TRUE(pair(0, 0));
-    EXPECT_TRUE(pair(0, 1.5));  // parallel normals: every edge but the normal itself
+    EXPECT_TRUE(pair(0, 1.5)); // parallel normals: every edge but the normal itself
     EXPECT_TRUE(pair(1.0, 0.5));
     EXPECT_FALSE(pair(1.0, 1.5));
     // |n0 + n1| = 2 cos h and 1 + n0.n1 = 2 cos^2 h: the limit lies at sin(slope) = cos h.

@@ -32,7 +32,8 @@ std::set<int> neighbours_of(const OrientedSamples& samples, int i, double radius
     }
     local.count = int(samples.points.size());
     const auto at = std::size_t(i);
-    Centre c{local.x[at], local.y[at], local.z[at], {local.nx[at], local.ny[at], local.nz[at]}, {}, {}, float(1 / radius)};
+    Centre c{local.x[at], local.y[at], local.z[at],      {local.nx[at], local.ny[at], local.nz[at]},
+             {},          {},          float(1 / radius)};
     set_tangents(c);
     std::vector<std::uint8_t> classes(samples.points.size() + lane_count);
     std::vector<int> hits;
@@ -89,7 +90,8 @@ TEST(Ring, BadnessAgreesWithThePaperWordForWord)
         {
             const Vector d = samples.points[std::size_t(j)] - p;
             const Vector& m = samples.normals[std::size_t(j)];
-            if (j != i && d.norm() <= radius && std::abs((n + m).dot(d)) <= (1 + n.dot(m)) * d.norm() && n.dot(m) >= 0.1)
+            if (j != i && d.norm() <= radius && std::abs((n + m).dot(d)) <= (1 + n.dot(m)) * d.norm() &&
+                n.dot(m) >= 0.1)
                 candidates.push_back(j);
         }
         const Vector e1 = n.unitOrthogonal(), e2 = n.cross(e1);
