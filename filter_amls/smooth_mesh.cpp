@@ -11,6 +11,7 @@ int smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, con
 {
     AmlsProjectionOptions options;
     options.threads = threads;
+    options.foreign_points = true;
     const AmlsProjection projected = project_to_amls(mesh.vertices, surface, options, progress);
     const std::size_t n = mesh.vertices.size();
     std::vector<double> share(n, 1);

@@ -175,18 +175,17 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     preparation.noise = options.noise;
     preparation.bearable_noise = 0.05;
     preparation.threads = options.threads;
-    const PreparedSamples cloud = prepare_samples(points, preparation, times, progress.part(0, 0.3, "preparation"));
+    BallLabellingOptions labelling;
+    labelling.ball_threshold = options.ball_threshold;
+    labelling.noise = options.noise;
+    labelling.threads = resolve_threads(options.threads);
+    LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.9, "polar balls"));
+    const PreparedSamples& cloud = found.cloud;
+    LabelledBalls& labelled = found.labelled;
     const UnitFrame& frame = cloud.frame;
     shape.points_used = int(cloud.distinct.size());
     shape.denoised = cloud.denoised;
     shape.noise = cloud.noise;
-
-    BallLabellingOptions labelling;
-    labelling.ball_threshold = options.ball_threshold / frame.scale();
-    labelling.noise = options.noise / frame.scale();
-    labelling.threads = resolve_threads(options.threads);
-    LabelledBalls labelled =
-        label_polar_balls(cloud.samples, cloud.normals, labelling, times, progress.part(0.3, 0.9, "polar balls"));
     shape.spacing = labelled.spacing * frame.scale();
     shape.violated_votes = labelled.violated_votes;
 

@@ -3,6 +3,7 @@
 #include "filter_amls/surface.h"
 
 #include <recon/geometry.h>
+#include <recon/labelled_balls.h>
 #include <recon/progress.h>
 
 #include <optional>
@@ -52,5 +53,19 @@ struct PreparedSamples
 /// \throws InvalidInput for points that do not span a volume or are not finite. \throws Cancelled.
 PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
                                 const Progress& progress = {});
+
+/// A prepared cloud and its polar balls, inner told from outer.
+struct LabelledCloud
+{
+    PreparedSamples cloud;
+    LabelledBalls labelled;
+};
+
+/// Prepares the samples and labels their polar balls. A clean cloud whose votes the labels contradict in a large part (an open
+/// scan that outer balls flood, walls thinner than the spacing) is tried again with the normals of its AMLS surface, and
+/// the labelling that contradicts less stays.
+/// \param labelling with lengths in input units.
+LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options, BallLabellingOptions labelling,
+                          PhaseTimes& times, const Progress& progress = {});
 
 } // namespace recon

@@ -69,7 +69,14 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     preparation.noise = options.noise;
     preparation.needs_surface = options.smooth;
     preparation.threads = options.threads;
-    PreparedSamples cloud = prepare_samples(points, preparation, times, progress.part(0, 0.3, "preparation"));
+    BallLabellingOptions labelling;
+    labelling.ball_threshold = options.ball_threshold;
+    labelling.noise = options.noise;
+    labelling.deep_intersection = options.deep_intersection;
+    labelling.threads = resolve_threads(options.threads);
+    const LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.85, "crust"));
+    const PreparedSamples& cloud = found.cloud;
+    const LabelledBalls& labelled = found.labelled;
     const UnitFrame& frame = cloud.frame;
     result.points_used = int(cloud.distinct.size());
     result.samples = int(cloud.samples.size());
@@ -77,14 +84,6 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.cleanness = cloud.cleanness;
     result.denoised = cloud.denoised;
     result.noise = cloud.noise;
-
-    BallLabellingOptions labelling;
-    labelling.ball_threshold = options.ball_threshold / frame.scale();
-    labelling.noise = options.noise / frame.scale();
-    labelling.deep_intersection = options.deep_intersection;
-    labelling.threads = resolve_threads(options.threads);
-    const LabelledBalls labelled =
-        label_polar_balls(std::move(cloud.samples), cloud.normals, labelling, times, progress.part(0.3, 0.85, "crust"));
     result.balls_kept = int(labelled.kept.balls.size());
     result.violated_votes = labelled.violated_votes;
     result.spacing = labelled.spacing * frame.scale();
@@ -101,7 +100,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     TriangleMesh& mesh = result.mesh;
     mesh = make_crust(labelled, crust);
     progress.part(0.85, 0.9, "crust").report(1);
-    if (options.smooth && cloud.is_noisy)
+    if (options.smooth && cloud.surface)
     {
         times.begin("smooth");
         frame.from_unit_in_place(mesh.vertices);
