@@ -48,7 +48,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     result.nearest_sample.resize(result.mesh.vertices.size());
     parallel_for(result.mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
                  [&](std::size_t v) { result.nearest_sample[v] = search.nearest(result.mesh.vertices[v]); });
-    const Topology topology = measure_topology(result.mesh);
+    const Topology topology = measure_closed_topology(result.mesh);
     result.components = topology.components;
     result.euler_characteristic = topology.euler_characteristic;
     result.genus = topology.genus();

@@ -116,7 +116,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.nearest_sample.resize(mesh.vertices.size());
     parallel_for(mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
                  [&](std::size_t v) { result.nearest_sample[v] = cloud.order[search.nearest(mesh.vertices[v])]; });
-    const Topology topology = measure_topology(mesh);
+    const Topology topology = options.trim_length > 0 ? measure_topology(mesh) : measure_closed_topology(mesh);
     result.components = topology.components;
     result.boundary_loops = topology.boundary_loops;
     result.euler_characteristic = topology.euler_characteristic;

@@ -199,4 +199,13 @@ Topology measure_topology(const TriangleMesh& mesh)
     return result;
 }
 
+Topology measure_closed_topology(const TriangleMesh& mesh)
+{
+    Topology result;
+    result.components = find_components(mesh).count;
+    // Three edges for two triangles.
+    result.euler_characteristic = int(mesh.vertices.size()) - int(mesh.triangles.size()) / 2;
+    return result;
+}
+
 } // namespace recon

@@ -43,4 +43,7 @@ struct Topology
 };
 Topology measure_topology(const TriangleMesh& mesh);
 
+/// The same of a mesh known to be closed, as a crust is: no edges need to be matched.
+Topology measure_closed_topology(const TriangleMesh& mesh);
+
 } // namespace recon

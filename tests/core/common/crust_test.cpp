@@ -133,6 +133,7 @@ TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
         EXPECT_EQ(report.euler_characteristic, topology.euler_characteristic);
         EXPECT_EQ(report.components, topology.components);
         EXPECT_EQ(topology.boundary_loops, 0);
+        EXPECT_EQ(measure_closed_topology(mesh).euler_characteristic, report.euler_characteristic);
         EXPECT_EQ(mesh.faux_edges.size(), mesh.triangles.size());
         if (trial == 0)
         {
