@@ -96,7 +96,9 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         return LabelledCloud{std::move(cloud), std::move(labelled)};
     };
     LabelledCloud first = attempt(options.denoise, 0, 0.8);
-    if (options.denoise != Denoise::automatic || first.cloud.denoised || first.labelled.violated_votes <= flooded_above)
+    // A threshold of the user's that leaves no inner ball is no flood: normals would only dress it up.
+    if (options.denoise != Denoise::automatic || first.cloud.denoised || labelling.ball_threshold > 0 ||
+        first.labelled.violated_votes <= flooded_above)
         return first;
     LabelledCloud second = attempt(Denoise::on, 0.8, 1);
     return second.labelled.violated_votes < first.labelled.violated_votes ? std::move(second) : std::move(first);

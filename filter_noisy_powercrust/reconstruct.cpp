@@ -92,6 +92,10 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         smallest = std::min(smallest, ball.radius);
     result.smallest_ball = smallest * frame.scale();
 
+    if (options.ball_threshold > 0 && result.violated_votes > 0.5)
+        throw AlgorithmFailure("With this ball_threshold hardly any polar ball inside the surface is left: most points contradict "
+                               "what remains. Lower ball_threshold, or set it to 0 (automatic).");
+
     times.begin("crust");
     CrustOptions crust;
     crust.keep_components = options.keep_components;

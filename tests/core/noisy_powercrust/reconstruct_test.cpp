@@ -246,6 +246,10 @@ TEST(NoisyPowerCrust, RefusesWhatItCannotUse)
     NoisyPowerCrustOptions options;
     options.ball_threshold = 50;
     EXPECT_TRUE(says(message(sphere, options), "ball_threshold"));
+    options.ball_threshold = 1.5;
+    const Points torus = shapes::torus(4000, 1, 0.4, 1).points;
+    EXPECT_TRUE(says(message(shapes::with_noise(torus, 0.01, 1), options), "ball_threshold"));
+    EXPECT_TRUE(says(message(shapes::with_noisy_copies(torus, 0.02, 4, 1), options), "ball_threshold"));
     for (const auto& spoil : std::vector<std::function<void(NoisyPowerCrustOptions&)>>{
              [](auto& o) { o.ball_threshold = -1; }, [](auto& o) { o.noise = -1; }, [](auto& o) { o.deep_intersection = 1.5; },
              [](auto& o) { o.trim_length = -1; }, [](auto& o) { o.threads = -2; }})
