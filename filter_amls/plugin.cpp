@@ -91,8 +91,7 @@ void add_report(const AmlsSurface& surface, plugin::FilterResult& result)
     result.values.emplace_back("cells", report.cells);
     result.values.emplace_back("anchors", report.anchors);
     result.values.emplace_back("open", report.open);
-    for (const auto& [phase, seconds] : report.seconds)
-        result.values.emplace_back(plugin::key_of_seconds(phase), seconds);
+    plugin::append_seconds(result, report.seconds);
     if (report.open)
         result.log.push_back(
             "The points are an open sheet without inside and outside: normals are consistent across it, "
@@ -449,8 +448,7 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Reconstr
         {"genus", found.genus},             {"violated_votes", found.violated_votes},
         {"open", found.surface.open},
     };
-    for (const auto& [phase, seconds] : found.seconds)
-        result.values.emplace_back(plugin::key_of_seconds(phase), seconds);
+    plugin::append_seconds(result, found.seconds);
 
     plugin::NewLayer surface;
     surface.name = "AMLS surface of " + plugin::name_without_ending(layer);

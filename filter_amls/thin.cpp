@@ -1,6 +1,7 @@
 #include "thin.h"
 
 #include <recon/neighbours.h>
+#include <recon/scramble.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -8,20 +9,6 @@
 
 namespace recon
 {
-namespace
-{
-
-/// A fixed random number per index (splitmix64's finaliser).
-std::uint64_t scramble(std::uint64_t z)
-{
-    z += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-} // namespace
-
 std::vector<int> thin_to_poisson_disks(const Points& points, const Vectors& normals, const std::vector<double>& radii)
 {
     const NeighbourSearch search(points);

@@ -64,8 +64,7 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options&
         {"genus", crust.genus},
         {"boundary_loops", crust.boundary_loops},
     };
-    for (const auto& [phase, seconds] : crust.seconds)
-        result.values.emplace_back(plugin::key_of_seconds(phase), seconds);
+    plugin::append_seconds(result, crust.seconds);
     result.warnings = std::move(crust.warnings);
 
     plugin::NewLayer surface;
@@ -117,8 +116,7 @@ plugin::FilterResult make_medial_axis(const plugin::InputLayer& layer, const Med
         {"union_area", shape.union_area},     {"largest_radius", shape.largest_radius},
         {"violated_votes", shape.violated_votes},
     };
-    for (const auto& [phase, seconds] : shape.seconds)
-        result.values.emplace_back(plugin::key_of_seconds(phase), seconds);
+    plugin::append_seconds(result, shape.seconds);
 
     plugin::NewLayer axis;
     axis.name = "Medial axis of " + plugin::name_without_ending(layer);

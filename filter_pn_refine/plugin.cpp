@@ -115,8 +115,7 @@ void describe(const recon::PnRefinement& refined, plugin::FilterResult& result)
                            {"turned_normals", int(refined.turned_normals.size())},
                            {"left_out", refined.left_out},
                            {"new_points_per_second", seconds > 0 ? double(refined.points.size()) / seconds : 0.0}});
-    for (const auto& [phase, s] : refined.seconds)
-        result.values.emplace_back(plugin::key_of_seconds(phase), s);
+    plugin::append_seconds(result, refined.seconds);
     append(result.warnings, refined.warnings);
 }
 

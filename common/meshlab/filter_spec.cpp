@@ -112,6 +112,12 @@ std::string key_of_seconds(const std::string& phase)
     return key;
 }
 
+void append_seconds(FilterResult& result, const std::vector<std::pair<std::string, double>>& seconds_of_phases)
+{
+    for (const auto& [phase, seconds] : seconds_of_phases)
+        result.values.emplace_back(key_of_seconds(phase), seconds);
+}
+
 std::string describe_value(const std::pair<std::string, ResultValue>& value)
 {
     char text[64] = "";

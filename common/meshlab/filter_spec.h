@@ -180,6 +180,9 @@ std::string message_of_current_exception();
 /// Key of a phase's seconds among the result values: "polar balls" becomes "seconds_polar_balls".
 std::string key_of_seconds(const std::string& phase);
 
+/// Adds the seconds of each phase to the result values, under those keys.
+void append_seconds(FilterResult& result, const std::vector<std::pair<std::string, double>>& seconds_of_phases);
+
 /// "points_used: 1234" and so on, for hosts that cannot return values.
 std::string describe_value(const std::pair<std::string, ResultValue>& value);
 

@@ -2,6 +2,7 @@
 
 #include <recon/flatten_triangulation.h>
 #include <recon/power_centre.h>
+#include <recon/scramble.h>
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Regular_triangulation_3.h>
@@ -29,13 +30,10 @@ using CellBase = CGAL::Triangulation_cell_base_with_info_3<
     CGAL::Regular_triangulation_cell_base_3<Kernel, CGAL::Triangulation_cell_base_3<Kernel>, CGAL::Discard_hidden_points>>;
 using CgalRegular = CGAL::Regular_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-/// Uniform in [0, 1), a fixed function of the index (splitmix64).
+/// Uniform in [0, 1), a fixed function of the index.
 double pseudo_random(std::uint64_t index)
 {
-    std::uint64_t z = (index + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    return double(scramble(index * splitmix_step) >> 11) * 0x1p-53;
 }
 
 } // namespace

@@ -167,6 +167,30 @@ struct Rows
     }
 };
 
+/// Joins the roots, and the pairs that are merged whatever the edges say. `root` becomes one of the roots, -1 if there is none.
+ParityForest join_certain(const SignedGraph& graph, int& root)
+{
+    ParityForest forest(graph.nodes);
+    const auto join = [&](int a, int b)
+    {
+        int ignored = 0;
+        a = forest.find(a, ignored);
+        b = forest.find(b, ignored);
+        if (a != b)
+            forest.hang(std::max(a, b), std::min(a, b), 0);
+    };
+    root = -1;
+    for (int i = 0; i < graph.nodes; ++i)
+        if (graph.is_root[i])
+        {
+            root = root < 0 ? i : root;
+            join(root, i);
+        }
+    for (const auto& pair : graph.merged)
+        join(pair[0], pair[1]);
+    return forest;
+}
+
 struct Candidate
 {
     double strength; ///< |weight| when it was queued
@@ -184,24 +208,8 @@ struct Candidate
 std::vector<Side> label_by_contraction(const SignedGraph& graph)
 {
     const int n = graph.nodes;
-    ParityForest forest(n);
     int root = -1;
-    const auto join = [&](int a, int b)
-    {
-        int ignored = 0;
-        a = forest.find(a, ignored);
-        b = forest.find(b, ignored);
-        if (a != b)
-            forest.hang(std::max(a, b), std::min(a, b), 0);
-    };
-    for (int i = 0; i < n; ++i)
-        if (graph.is_root[i])
-        {
-            root = root < 0 ? i : root;
-            join(root, i);
-        }
-    for (const auto& pair : graph.merged)
-        join(pair[0], pair[1]);
+    ParityForest forest = join_certain(graph, root);
 
     // The graph between clusters. Neighbour lists may name pairs that are gone; the weights know.
     std::vector<SignedEdge> sorted;
@@ -279,24 +287,8 @@ std::vector<Side> label_by_contraction(const SignedGraph& graph)
 std::vector<Side> label_by_potential(const SignedGraph& graph)
 {
     const int n = graph.nodes;
-    ParityForest forest(n);
-    const auto join = [&](int a, int b)
-    {
-        int ignored = 0;
-        a = forest.find(a, ignored);
-        b = forest.find(b, ignored);
-        if (a != b)
-            forest.hang(std::max(a, b), std::min(a, b), 0);
-    };
     int root = -1;
-    for (int i = 0; i < n; ++i)
-        if (graph.is_root[i])
-        {
-            root = root < 0 ? i : root;
-            join(root, i);
-        }
-    for (const auto& pair : graph.merged)
-        join(pair[0], pair[1]);
+    ParityForest forest = join_certain(graph, root);
     std::vector<int> unknown(std::size_t(n), -1);
     int unknowns = 0, ignored = 0;
     const int root_cluster = root < 0 ? -1 : forest.find(root, ignored);

@@ -9,6 +9,12 @@ namespace
 /// around the edge lies, counter-clockwise seen from j.
 constexpr int next_around_edge[4][4] = {{5, 2, 3, 1}, {3, 5, 0, 2}, {1, 3, 5, 0}, {2, 0, 1, 5}};
 
+/// The next cell after `cell` around the edge from vertex a to vertex b.
+int next_in_ring(const Triangulation::Cell& cell, int a, int b)
+{
+    return cell.neighbours[next_around_edge[cell.position_of(a)][cell.position_of(b)]];
+}
+
 } // namespace
 
 void Triangulation::list_ring(int cell, int a, int b, std::vector<int>& ring) const
@@ -18,8 +24,7 @@ void Triangulation::list_ring(int cell, int a, int b, std::vector<int>& ring) co
     do
     {
         ring.push_back(c);
-        const Cell& current = cells[c];
-        c = current.neighbours[next_around_edge[current.position_of(a)][current.position_of(b)]];
+        c = next_in_ring(cells[c], a, b);
     } while (c != cell);
 }
 
@@ -32,8 +37,7 @@ bool Triangulation::list_ring_from_lowest(int cell, int a, int b, std::vector<in
         if (c < cell || c >= finite_cells)
             return false;
         ring.push_back(c);
-        const Cell& current = cells[c];
-        c = current.neighbours[next_around_edge[current.position_of(a)][current.position_of(b)]];
+        c = next_in_ring(cells[c], a, b);
     } while (c != cell);
     return true;
 }
