@@ -27,7 +27,8 @@ using namespace benchmarks;
 namespace
 {
 
-/// Area-weighted vertex normals of the model, copied to each vertex's noisy copies in the order noisy_cloud() makes them.
+/// Area-weighted vertex normals of the model, copied to each vertex's noisy copies in the order noisy_cloud() makes
+/// them.
 recon::Vectors true_normals(const Model& model, std::size_t cloud_size)
 {
     const std::size_t n = model.mesh.vertices.size();
@@ -54,12 +55,12 @@ void judge(const std::string& model_path, const std::string& mesh_path)
     const recon::TriangleMesh mesh = load_model(mesh_path).mesh;
     const checks::MeshReport report = checks::examine_mesh(mesh);
     const double volume = report.volume / model.volume;
-    std::printf("closed_manifold %d\ncomponents %d\ngenus %d\ntrue_genus %d\nvolume %.4f\n", report.is_closed_oriented_manifold(),
-                report.components, report.genus(), model.genus, volume);
+    std::printf("closed_manifold %d\ncomponents %d\ngenus %d\ntrue_genus %d\nvolume %.4f\n",
+                report.is_closed_oriented_manifold(), report.components, report.genus(), model.genus, volume);
     std::printf("right %d\n", report.is_closed_oriented_manifold() && report.components == 1 &&
                                   report.genus() == model.genus && std::abs(volume - 1) < 0.03);
-    std::printf("rms %.1f\ntriangles %zu\n", 1e6 * MeshDistance(model.mesh).summarise(mesh.vertices).rms / model.diagonal,
-                mesh.triangles.size());
+    std::printf("rms %.1f\ntriangles %zu\n",
+                1e6 * MeshDistance(model.mesh).summarise(mesh.vertices).rms / model.diagonal, mesh.triangles.size());
 }
 
 } // namespace
@@ -76,7 +77,8 @@ try
             {
                 const Model model = load_model(argv[2] + std::string("/") + argv[i] + ".ply");
                 const recon::Points cloud = noisy_cloud(model, std::stod(sigma), unsigned(std::stoi(argv[3])));
-                save_ply(argv[4] + std::string("/") + argv[i] + "_" + sigma + ".ply", cloud, true_normals(model, cloud.size()));
+                save_ply(argv[4] + std::string("/") + argv[i] + "_" + sigma + ".ply", cloud,
+                         true_normals(model, cloud.size()));
             }
         return 0;
     }
@@ -110,7 +112,8 @@ try
     std::printf("delaunay %.3f\n", time_bare_delaunay(points));
     const double begin = cpu_seconds();
     const recon::NoisyPowerCrust crust = recon::reconstruct_noisy_power_crust(points, options);
-    std::printf("seconds %.3f\nviolated %.4f\npoints %zu\n", cpu_seconds() - begin, crust.violated_votes, points.size());
+    std::printf("seconds %.3f\nviolated %.4f\npoints %zu\n", cpu_seconds() - begin, crust.violated_votes,
+                points.size());
     rusage use;
     getrusage(RUSAGE_SELF, &use);
     std::printf("peak_bytes_per_point %.0f\n", 1024.0 * double(use.ru_maxrss) / double(points.size()));

@@ -17,7 +17,8 @@ recon::Vectors pca30_spanning_tree_normals(const recon::Points& points)
     using Oriented = std::tuple<Kernel::Point_3, Kernel::Vector_3, int>;
     std::vector<Oriented> copy;
     for (std::size_t i = 0; i < points.size(); ++i)
-        copy.emplace_back(Kernel::Point_3(points[i].x(), points[i].y(), points[i].z()), Kernel::Vector_3(0, 0, 0), int(i));
+        copy.emplace_back(Kernel::Point_3(points[i].x(), points[i].y(), points[i].z()), Kernel::Vector_3(0, 0, 0),
+                          int(i));
     const auto parameters = CGAL::parameters::point_map(CGAL::Nth_of_tuple_property_map<0, Oriented>())
                                 .normal_map(CGAL::Nth_of_tuple_property_map<1, Oriented>());
     CGAL::pca_estimate_normals<CGAL::Sequential_tag>(copy, 30, parameters);
