@@ -1,6 +1,6 @@
 // Grid B with defaults only: RMS and largest distance to the true mesh after projection, orientation, CPU time.
 // amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--noise factor] [--save
-// folder] [--phases]
+// folder] [--phases] [--delaunay]: with --delaunay the last column is the CPU time over that of CGAL's Delaunay triangulation
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -52,14 +52,14 @@ int main(int argc, char** argv)
     {
         std::fprintf(stderr,
                      "usage: %s <model folder> [--seeds s,...] [--models m,...] [--sigmas percent,...] "
-                     "[--threads n] [--save folder] [--phases]\n",
+                     "[--threads n] [--save folder] [--phases] [--delaunay]\n",
                      argv[0]);
         return 2;
     }
     const std::string folder = argv[1];
     std::vector<std::string> names = benchmarks::grid_b, sigmas = {"0.1", "0.2", "0.4"}, seeds = {"11"};
     std::string save;
-    bool phases = false;
+    bool phases = false, with_delaunay = false;
     double noise_factor = 0; // of the true sigma, given to the filter; 0 = the filter estimates
     int threads = 1;
     for (int i = 2; i < argc; ++i)
@@ -67,6 +67,8 @@ int main(int argc, char** argv)
         const std::string option = argv[i];
         if (option == "--phases")
             phases = true;
+        else if (option == "--delaunay")
+            with_delaunay = true;
         else if (i + 1 < argc)
         {
             const std::string value = argv[++i];
@@ -96,8 +98,10 @@ int main(int argc, char** argv)
         for (const std::string& sigma : sigmas)
             for (const std::string& seed : seeds)
             {
-                const Points points = benchmarks::noisy_cloud(model, std::stod(sigma), unsigned(std::stoi(seed)));
-                const double delaunay = benchmarks::time_bare_delaunay(points);
+                Points points = benchmarks::noisy_cloud(model, std::stod(sigma), unsigned(std::stoi(seed)));
+                for (Point& p : points) // as amls_clouds writes them for the peers
+                    p = p.cast<float>().cast<double>();
+                const double delaunay = with_delaunay ? benchmarks::time_bare_delaunay(points) : 0;
                 double cpu = benchmarks::cpu_seconds();
                 AmlsOptions options;
                 options.threads = threads;
@@ -136,7 +140,7 @@ int main(int argc, char** argv)
                             report.rho_e, 100 * report.width / d, projection.count(ProjectionStatus::outlier),
                             projection.count(ProjectionStatus::fell_back),
                             projection.count(ProjectionStatus::not_converged), iterations / n, neighbours / n, worse,
-                            cpu, cpu / delaunay);
+                            cpu, with_delaunay ? cpu / delaunay : 0);
                 if (phases)
                 {
                     for (const auto& phase : report.seconds)

@@ -1,13 +1,15 @@
 """MLS projection: AMLS beside MeshLab's APSS and RIMLS, on the clouds that amls_clouds wrote.
 
-amls_peers.py <plugin.so> <folder with clouds and truth> [--out table.md] [cloud...]
+amls_peers.py <plugin.so> <folder with clouds and truth>... [--models name,...] [--only-peers]
 
 Each cloud <name>.ply has its true surface in <name>.truth (the path of a mesh). The peers get MeshLab's own normals
 (K = 30) and run at FilterScale 2, 4, 8 between two layers: projected onto the cloud (controlmesh) is a copy of it
 (proxymesh), since their default, one layer for both, crashes. AMLS gets the bare points and no parameter. Errors are RMS
-distances to the true mesh in 1e-6 of its diagonal; times are CPU seconds of the process.
+distances to the true mesh in 1e-6 of its diagonal; times are CPU seconds of the process. What the peers reached is kept
+in <folder>/peers.jsonl, one run a line, and is not run again.
 """
 import argparse
+import json
 import os
 import time
 from pathlib import Path
@@ -78,39 +80,67 @@ def rms(distances):
     return 1e6 * float(np.sqrt(np.mean(good ** 2)))
 
 
+class PeerRuns:
+    """Errors and seconds of the peers' runs in a folder, kept beside its clouds."""
+
+    def __init__(self, folder):
+        self.path = folder / "peers.jsonl"
+        self.found = {}
+        if self.path.exists():
+            for line in self.path.read_text().splitlines():
+                run = json.loads(line)
+                self.found[run["cloud"], run["peer"], run["scale"]] = run
+
+    def get(self, cloud, peer, scale, points, truth):
+        key = cloud, peer, scale
+        if key not in self.found:
+            moved, seconds = run_peer(peer, points, scale)
+            run = {"cloud": cloud, "peer": peer, "scale": scale, "rms": rms(truth.distances(moved)), "seconds": seconds}
+            self.found[key] = run
+            with self.path.open("a") as out:
+                out.write(json.dumps(run) + "\n")
+        return self.found[key]["rms"], self.found[key]["seconds"]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("plugin")
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("clouds", nargs="*")
+    parser.add_argument("folders", type=Path, nargs="+")
+    parser.add_argument("--models", default="", help="beginnings of the clouds' names, in the order to run")
+    parser.add_argument("--only-peers", action="store_true")
     arguments = parser.parse_args()
-    pymeshlab.load_plugin(arguments.plugin)
-    clouds = arguments.clouds or sorted(path.stem for path in arguments.folder.glob("*.ply"))
-    print("| cloud | points | input | AMLS | APSS 2 / 4 / 8 | RIMLS 2 / 4 / 8 | AMLS / best APSS | AMLS / best RIMLS | "
-          "s AMLS | s best APSS | s best RIMLS |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    if not arguments.only_peers:
+        pymeshlab.load_plugin(arguments.plugin)
+    print("| folder | cloud | points | input | AMLS | APSS 2 / 4 / 8 | RIMLS 2 / 4 / 8 | AMLS / best APSS | "
+          "AMLS / best RIMLS | s AMLS | s best APSS | s best RIMLS |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
     ratios = {"apss": [], "rimls": []}
-    for name in clouds:
-        truth = Truth((arguments.folder / f"{name}.truth").read_text().strip())
-        points = read_points(arguments.folder / f"{name}.ply")
-        moved, seconds = run_amls(points)
-        ours = rms(truth.distances(moved))
-        row = [name, str(len(points)), f"{rms(truth.distances(points)):.0f}", f"{ours:.0f}"]
-        times = [f"{seconds:.2f}"]
-        for peer in ("apss", "rimls"):
-            found = []
-            for scale in SCALES:
-                moved, seconds = run_peer(peer, points, scale)
-                found.append((rms(truth.distances(moved)), seconds))
-            best = min(found)
-            ratios[peer].append(ours / best[0])
-            row.append(" / ".join(f"{error:.0f}" for error, _ in found))
-            times.append(f"{best[1]:.1f}")
-        row += [f"{ratios['apss'][-1]:.2f}", f"{ratios['rimls'][-1]:.2f}"] + times
-        print("| " + " | ".join(row) + " |", flush=True)
+    for start in arguments.models.split(","):
+        for folder in arguments.folders:
+            runs = PeerRuns(folder)
+            for path in sorted(folder.glob(f"{start}*.ply")):
+                name = path.stem
+                truth = Truth((folder / f"{name}.truth").read_text().strip())
+                points = read_points(path)
+                peers = {peer: [runs.get(name, peer, scale, points, truth) for scale in SCALES]
+                         for peer in ("apss", "rimls")}
+                if arguments.only_peers:
+                    continue
+                moved, seconds = run_amls(points)
+                ours = rms(truth.distances(moved))
+                row = [folder.name, name, str(len(points)), f"{rms(truth.distances(points)):.0f}", f"{ours:.0f}"]
+                times = [f"{seconds:.2f}"]
+                for peer, found in peers.items():
+                    best = min(found)
+                    ratios[peer].append(ours / best[0])
+                    row.append(" / ".join(f"{error:.0f}" for error, _ in found))
+                    times.append(f"{best[1]:.1f}")
+                row += [f"{ratios['apss'][-1]:.2f}", f"{ratios['rimls'][-1]:.2f}"] + times
+                print("| " + " | ".join(row) + " |", flush=True)
     for peer, values in ratios.items():
-        print(f"\n{peer.upper()}: at or below in {sum(v <= 1 for v in values)} of {len(values)}, geometric mean "
-              f"{np.exp(np.mean(np.log(values))):.3f}, worst {max(values):.2f}")
+        if values:
+            print(f"\n{peer.upper()}: at or below in {sum(v <= 1 for v in values)} of {len(values)}, geometric mean "
+                  f"{np.exp(np.mean(np.log(values))):.3f}, worst {max(values):.2f}")
 
 
 if __name__ == "__main__":

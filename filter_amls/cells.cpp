@@ -17,7 +17,6 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double cell_edge = 0.45;   // widths
-constexpr double anchor_edge = 0.5;  // widths
 constexpr double normal_cut = 2.3;   // normal widths
 constexpr double normal_points = 30; // effective points that a normal needs
 constexpr double least_spread = 0.3; // of the variance that a filled window has
@@ -241,24 +240,6 @@ CellNormals estimate_cell_normals(const Cells& cells, const NeighbourSearch& sea
             result.feet[c] = feet[better[c]];
         }
     return result;
-}
-
-std::vector<int> thin_to_anchors(const Cells& cells, const CellNormals& normals)
-{
-    std::vector<int> anchors;
-    VoxelTable voxels(cells.means.size() / 2);
-    for (int c = 0; c < cells.size(); ++c)
-    {
-        if (normals.kinds[c] != CellKind::regular)
-            continue;
-        const int voxel = voxels.find_or_add(normals.feet[c], anchor_edge * cells.scales[c].width);
-        if (voxel == int(anchors.size()))
-            anchors.push_back(c);
-        else if (normals.mass[c] > normals.mass[anchors[voxel]])
-            anchors[voxel] = c;
-    }
-    std::sort(anchors.begin(), anchors.end());
-    return anchors;
 }
 
 } // namespace recon

@@ -48,8 +48,4 @@ struct CellNormals
 CellNormals estimate_cell_normals(const Cells& cells, const NeighbourSearch& search, int threads,
                                   const Progress& progress = {});
 
-/// Indices of the cells whose feet represent the others within voxels of half a width: those of largest mass (recipe
-/// step 5). Strays and outliers are never among them. Ascending.
-std::vector<int> thin_to_anchors(const Cells& cells, const CellNormals& normals);
-
 } // namespace recon

@@ -287,7 +287,7 @@ void settle_votes(const Triangulation& t, const Points& points, const std::vecto
 } // namespace
 
 Orientation orient_normals(const Points& points, const Vectors& normals, const std::vector<double>& spacing,
-                           int feature_stride, int threads, const Progress& progress)
+                           int threads, const Progress& progress)
 {
     const int n = int(points.size());
     const Balls balls = make_balls(points, normals, spacing, threads, progress.part(0, 0.6, "Delaunay triangulation"));
@@ -338,16 +338,7 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
         for (Vector& normal : result.normals)
             normal = -normal;
 
-    FeatureSizeOptions options;
-    options.threads = threads;
-    Points asked;
-    for (int v = 0; v < n; v += feature_stride)
-        asked.push_back(points[v]);
-    const std::vector<double> sizes =
-        measure_feature_size(asked, select_poles(t, points, normals, spacing, balls.outer, balls.inner), options);
-    result.feature_size.assign(n, std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < sizes.size(); ++i)
-        result.feature_size[i * std::size_t(feature_stride)] = sizes[i];
+    result.poles = select_poles(t, points, normals, spacing, balls.outer, balls.inner);
     return result;
 }
 

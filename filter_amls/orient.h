@@ -12,9 +12,7 @@ namespace recon
 struct Orientation
 {
     Vectors normals;
-    /// Distance to the nearest pole that is large and lies along a normal: the local feature size. Infinity if there is
-    /// none.
-    std::vector<double> feature_size;
+    Points poles; ///< Centres of large balls along the normals: points near the medial axis.
     double contradicted = 0; ///< Share of the weight of the constraints that the labels violate [0..1].
     bool open = false;       ///< Both sides of most anchors see the outside: there is no inside.
 };
@@ -25,6 +23,6 @@ struct Orientation
 /// noise), at least one; normals of unit length. \param spacing distance of neighbouring points [length], per point.
 /// \throws Cancelled.
 Orientation orient_normals(const Points& points, const Vectors& normals, const std::vector<double>& spacing,
-                           int feature_stride, int threads, const Progress& progress = {});
+                           int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -1,5 +1,7 @@
 #include "surface.h"
 
+#include "anchors.h"
+#include "feature_size.h"
 #include "orient.h"
 #include "surface_data.h"
 
@@ -15,7 +17,7 @@ namespace recon
 namespace
 {
 
-constexpr double anchor_spacing = 0.5;     // widths: the voxels in which anchors were thinned
+constexpr double fine_spacing = 0.5;       // widths: how far a cell without landmark listens
 constexpr double narrowest_spacings = 1.2; // a width by rho_e below it would find no neighbours
 constexpr int reported_sizes = 2000;       // places of which the median rho_e is told
 constexpr double widest = 0.25;            // diagonals
@@ -49,36 +51,53 @@ NoiseEstimate with_given_noise(const NoiseEstimate& estimate, double sigma)
                          estimate.density());
 }
 
-/// Signs of all cells' normals from the oriented anchors around them.
-void orient_cells(const Cells& cells, const Points& feet, const std::vector<int>& anchors,
-                  const Vectors& anchor_normals, Vectors& normals, int threads)
+/// Signs of all cells' normals: those on a plain piece of surface from its landmark, then the others from the oriented
+/// ones around them.
+void orient_cells(const Cells& cells, const Points& feet, const AnchorChoice& choice, const Vectors& landmark_normals,
+                  Vectors& normals, int threads)
 {
     constexpr int voters = 8;
+    constexpr double clear_cosine = 0.7;
+    for (std::size_t l = 0; l < choice.landmarks.size(); ++l)
+        normals[choice.landmarks[l]] = landmark_normals[l];
+    std::vector<char> known(normals.size(), 0);
+    for (const int c : choice.landmarks)
+        known[c] = 1;
+    for (int c = 0; c < cells.size(); ++c)
+        if (choice.landmark_of_cell[c] >= 0 && !known[c])
+        {
+            const double cosine = normals[c].dot(landmark_normals[choice.landmark_of_cell[c]]);
+            known[c] = std::abs(cosine) >= clear_cosine;
+            if (cosine < 0)
+                normals[c] = -normals[c];
+        }
     Points positions;
-    for (int c : anchors)
-        positions.push_back(feet[c]);
-    for (std::size_t a = 0; a < anchors.size(); ++a)
-        normals[anchors[a]] = anchor_normals[a];
-    std::vector<char> is_anchor(normals.size(), 0);
-    for (int c : anchors)
-        is_anchor[c] = 1;
+    Vectors directions;
+    for (const auto* list : {&choice.landmarks, &choice.anchors})
+        for (const int c : *list)
+            if (known[c] == 1)
+            {
+                positions.push_back(feet[c]);
+                directions.push_back(normals[c]);
+                known[c] = 2; // landmarks are mostly anchors too
+            }
     const NeighbourSearch search(positions);
     parallel_for(
         std::size_t(cells.size()), threads, {},
         [&](std::size_t c)
         {
-            if (is_anchor[c])
+            if (known[c])
                 return;
             int near[voters];
             double squared[voters];
             const int count = search.nearest(feet[c], voters, near, squared);
-            const double h = anchor_spacing * cells.scales[c].width;
+            const double h = fine_spacing * cells.scales[c].width;
             double vote = 0;
             for (int k = 0; k < count; ++k)
             {
                 // Around the nearest one, so that a far cell hears it at all.
                 const double weight = std::exp(-(squared[k] - squared[0]) / (h * h));
-                vote += weight * normals[c].dot(anchor_normals[near[k]]);
+                vote += weight * normals[c].dot(directions[near[k]]);
             }
             if (vote < 0)
                 normals[c] = -normals[c];
@@ -150,30 +169,27 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     normals = estimate_cell_normals(cells, data->cell_search, threads, progress.part(0.2, 0.35, "Normals"));
     for (int c = 0; c < cells.size(); ++c)
         cells.scales[c].width *= normals.widening[c];
-    std::vector<int> anchors = thin_to_anchors(cells, normals);
-    if (anchors.empty())
+    AnchorChoice choice = choose_anchors(cells, normals, threads);
+    if (choice.anchors.empty())
     {
         // Too few points to tell outliers from surface: all are surface.
         std::fill(normals.kinds.begin(), normals.kinds.end(), CellKind::regular);
-        anchors = thin_to_anchors(cells, normals);
+        choice = choose_anchors(cells, normals, threads);
     }
+    const std::vector<int>& anchors = choice.anchors;
 
     times.begin("orientation");
-    Points feet;
-    Vectors anchor_normals;
-    for (int c : anchors)
+    Points landmarks;
+    Vectors landmark_normals;
+    for (const int c : choice.landmarks)
     {
-        feet.push_back(normals.feet[c]);
-        anchor_normals.push_back(normals.normals[c]);
-        data->anchor_spacing.push_back(
-            std::max(anchor_spacing * cells.scales[c].width, 1 / std::sqrt(cells.scales[c].density)));
+        landmarks.push_back(normals.feet[c]);
+        landmark_normals.push_back(normals.normals[c]);
     }
-    // Without rho_e the feature size only serves the report.
-    const int stride = options.rho_e > 0 ? 1 : std::max(1, int(anchors.size()) / reported_sizes);
-    const Orientation orientation = orient_normals(feet, anchor_normals, data->anchor_spacing, stride, threads,
+    const Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads,
                                                    progress.part(0.35, 0.85, "Orientation"));
     if (given_normals.empty())
-        orient_cells(cells, normals.feet, anchors, orientation.normals, normals.normals, threads);
+        orient_cells(cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     else
     {
         Vectors sorted;
@@ -183,13 +199,26 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("fit");
+    Points feet;
     std::vector<double> widths;
-    for (int c : anchors)
+    for (const int c : anchors)
+    {
+        feet.push_back(normals.feet[c]);
         widths.push_back(cells.scales[c].width);
+        data->anchor_spacing.push_back(std::max(widths.back() * fine_spacing, 1 / std::sqrt(cells.scales[c].density)));
+    }
+    // Without rho_e the feature size only serves the report.
+    const std::size_t stride = options.rho_e > 0 ? 1 : std::max<std::size_t>(1, anchors.size() / reported_sizes);
+    Points asked;
+    for (std::size_t a = 0; a < anchors.size(); a += stride)
+        asked.push_back(feet[a]);
+    FeatureSizeOptions feature_options;
+    feature_options.threads = threads;
+    const std::vector<double> feature_size = measure_feature_size(asked, orientation.poles, feature_options);
     if (options.rho_e > 0)
     {
         for (std::size_t a = 0; a < anchors.size(); ++a)
-            widths[a] = std::clamp(options.rho_e * orientation.feature_size[a] / rho_per_width,
+            widths[a] = std::clamp(options.rho_e * feature_size[a] / rho_per_width,
                                    narrowest_spacings / std::sqrt(cells.scales[anchors[a]].density), widest);
         const NeighbourSearch search(feet);
         parallel_for(
@@ -197,9 +226,9 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
             [&](std::size_t c) { cells.scales[c].width = widths[search.nearest(normals.feet[c])]; }, 1024);
     }
     std::vector<double> equivalent;
-    for (std::size_t a = 0; a < anchors.size(); a += std::size_t(stride))
-        if (std::isfinite(orientation.feature_size[a]))
-            equivalent.push_back(rho_per_width * widths[a] / orientation.feature_size[a]);
+    for (std::size_t i = 0; i < asked.size(); ++i)
+        if (std::isfinite(feature_size[i]))
+            equivalent.push_back(rho_per_width * widths[i * stride] / feature_size[i]);
     for (int c = 0; c < cells.size(); ++c)
         if (normals.kinds[c] == CellKind::outlier)
             cells.counts[c] = 0;

@@ -24,7 +24,7 @@ public:
     /// Number of the voxel that holds `p` on the grid of edge 2^(level / 2), `level` the half octave nearest to `edge`.
     int find_or_add(const Point& p, double edge)
     {
-        const int level = int(std::lround(2 * std::log2(edge)));
+        const int level = level_of(edge);
         return find_or_add(p, level, inverse_edge(level));
     }
     int find_or_add(const Point& p, int level, double inverse_edge)
@@ -45,6 +45,8 @@ public:
     }
     int size() const { return int(keys_.size()); }
 
+    /// The half octave nearest to an edge.
+    static int level_of(double edge) { return int(std::lround(2 * std::log2(edge))); }
     static double inverse_edge(int level) { return std::exp2(-0.5 * level); }
 
 private:
