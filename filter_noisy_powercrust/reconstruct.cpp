@@ -101,6 +101,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
     crust.target_vertices = result.samples;
+    crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
     mesh = make_crust(labelled, crust);
     progress.part(0.85, 0.9, "crust").report(1);

@@ -91,15 +91,18 @@ BallAttraction weigh_attraction(const Triangulation& regular, const std::vector<
                     const int a = cell.vertices[i], b = cell.vertices[j];
                     const Ball &first = balls[a], &second = balls[b];
                     const Vector axis = second.centre - first.centre;
-                    const double squared = axis.squaredNorm(), distance = std::sqrt(squared);
+                    const double squared = axis.squaredNorm();
                     const double r1 = first.radius, r2 = second.radius;
-                    const double along = (squared + r1 * r1 - r2 * r2) / (2 * distance);
-                    const double disc2 = r1 * r1 - along * along;
-                    if (!(disc2 > 0) || (result.is_on_hull[a] && result.is_on_hull[b]))
+                    // The disc's radius squared times 4 squared.
+                    const double twice_along = squared + r1 * r1 - r2 * r2;
+                    const double scaled_disc2 = 4 * squared * r1 * r1 - twice_along * twice_along;
+                    if (!(scaled_disc2 > 0) || (result.is_on_hull[a] && result.is_on_hull[b]))
                         continue;
                     if (!regular.list_ring_from_lowest(int(c), a, b, ring))
                         continue;
 
+                    const double distance = std::sqrt(squared), along = twice_along / (2 * distance);
+                    const double disc2 = scaled_disc2 / (4 * squared);
                     const double cosine = (r1 * r1 + r2 * r2 - squared) / (2 * r1 * r2);
                     if (options.deep_intersection > 0)
                     {

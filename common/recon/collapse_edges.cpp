@@ -1,165 +1,402 @@
 #include <recon/collapse_edges.h>
 
 #include <recon/crust_mesh.h>
+#include <recon/parallel.h>
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 
 namespace recon
 {
 namespace
 {
 
+/// Fans of more triangles are slivers again.
+constexpr int most_neighbours = 40;
+/// Edges shorter than this, relative to the scale, join the corners of one sample's cluster; their triangles have no
+/// direction to keep.
+constexpr double cluster_length = 1e-3;
+/// Vertices of a block lie side by side, as the crust's are numbered along a space-filling curve.
+constexpr int block_size = 1 << 14;
+constexpr int gone = -1;
+
+int block_of(int vertex)
+{
+    return vertex / block_size;
+}
+
+/// Collapses edges in classes of rising length: nearly the order of a queue, and memory is walked in order. An edge is
+/// asked for its length when its class comes up, and moves on to a later class if it has grown.
 class Collapser
 {
 public:
     Collapser(TriangleMesh& mesh, const std::vector<double>& scale, const EdgeCollapseOptions& options)
-        : mesh_(mesh), scale_(scale), options_(options), at_(mesh.vertices.size()), alive_(mesh.triangles.size(), 1),
-          merged_(mesh.vertices.size(), 1), vertices_left_(int(mesh.vertices.size())), marks_(mesh.vertices.size(), 0)
+        : mesh_(mesh), options_(options), triangles_(mesh.triangles.size()), vertices_left_(int(mesh.vertices.size()))
     {
-        for (int t = 0; t < int(mesh.triangles.size()); ++t)
-            for (const int v : mesh.triangles[t])
-                at_[v].push_back(t);
+        for (const double share : {0.01, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0})
+            limits_.push_back(share * options.always_below);
+        unconditional_ = limits_.size();
+        for (int step = 1; step <= 10; ++step)
+            limits_.push_back(options.always_below + 0.1 * step * (options.never_above - options.always_below));
+
+        vertices_.reserve(mesh.vertices.size());
+        for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+            vertices_.push_back({mesh.vertices[v], scale[v], gone, 0, 1});
+        for (std::size_t t = 0; t < triangles_.size(); ++t)
+            for (int k = 0; k < 3; ++k)
+            {
+                Vertex& v = vertices_[mesh.triangles[t][k]];
+                v.outgoing = int(4 * t) + k;
+                ++v.degree;
+                triangles_[t].origin[k] = mesh.triangles[t][k];
+            }
+        blocks_.resize(std::size_t(block_of(int(vertices_.size()) - 1)) + 1);
+        list_edges();
     }
 
     void run()
     {
-        // Rising limits instead of a queue by length: nearly the same order, and memory is walked in order.
-        for (const double share : {0.01, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0})
-            collapse_below(share * options_.always_below, 0);
-        for (const double share : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0})
-            collapse_below(options_.always_below + share * (options_.never_above - options_.always_below),
-                           options_.target_vertices);
+        for (std::size_t c = 0; c < limits_.size(); ++c)
+            if (c < unconditional_)
+                collapse_side_by_side(c);
+            else
+                collapse_to_target(c);
     }
 
-    const std::vector<char>& alive() const { return alive_; }
+    std::vector<int> copy_back() &&
+    {
+        for (std::size_t v = 0; v < vertices_.size(); ++v)
+            mesh_.vertices[v] = vertices_[v].position;
+        std::vector<char> alive(triangles_.size());
+        for (std::size_t t = 0; t < alive.size(); ++t)
+        {
+            const auto& corners = triangles_[t].origin;
+            alive[t] = corners[0] != gone;
+            if (alive[t])
+                mesh_.triangles[t] = {corners[0], corners[1], corners[2]};
+        }
+        return keep_triangles(mesh_, alive);
+    }
 
 private:
-    /// One walk over all edges.
-    void collapse_below(double limit, int target)
+    /// Half-edge 4 t + k leads from corner k of triangle t to the next one.
+    struct Triangle
     {
-        for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
-            for (int e = 0; e < 3 && alive_[t]; ++e)
+        std::array<int, 4> origin; ///< Of each half-edge; `gone` where the triangle is.
+        std::array<int, 4> twin;   ///< Of each half-edge: the one back.
+    };
+    struct Vertex
+    {
+        Point position;
+        double scale;
+        int outgoing; ///< A half-edge from here; `gone` where the vertex is.
+        int degree;   ///< Triangles here.
+        int merged;   ///< Vertices that this one stands for.
+    };
+    /// Vertices on which one thread works.
+    struct Block
+    {
+        std::vector<std::vector<int>> edges; ///< Per class of length half-edges, one per edge or both, that start here.
+        std::vector<int> crossing;           ///< Half-edges whose collapse would touch other blocks.
+        int collapsed = 0;
+    };
+    /// The half-edges from both ends of an edge.
+    struct Surroundings
+    {
+        int count_a = 0, count_b = 0;
+        std::array<int, most_neighbours> from_a, from_b;
+        std::array<int, most_neighbours> around_a, around_b; ///< Where they lead.
+    };
+
+    static int next(int h) { return (h & 3) == 2 ? h - 2 : h + 1; }
+    static int previous(int h) { return (h & 3) == 0 ? h + 2 : h - 1; }
+    int& origin(int h) { return triangles_[h >> 2].origin[h & 3]; }
+    int origin(int h) const { return triangles_[h >> 2].origin[h & 3]; }
+    int target(int h) const { return origin(next(h)); }
+    int& twin(int h) { return triangles_[h >> 2].twin[h & 3]; }
+    int twin(int h) const { return triangles_[h >> 2].twin[h & 3]; }
+
+    /// Finds the twins and enlists every edge.
+    void list_edges()
+    {
+        std::vector<int> first(vertices_.size() + 1, 0), at_lower(3 * triangles_.size());
+        const auto for_all = [&](auto&& call)
+        {
+            for (int t = 0; t < int(triangles_.size()); ++t)
+                for (int h = 4 * t; h < 4 * t + 3; ++h)
+                    call(h, std::min(origin(h), target(h)));
+        };
+        for_all([&](int, int lower) { ++first[lower + 1]; });
+        for (std::size_t v = 0; v < vertices_.size(); ++v)
+            first[v + 1] += first[v];
+        std::vector<int> next_free(first.begin(), first.end() - 1);
+        for_all([&](int h, int lower) { at_lower[next_free[lower]++] = h; });
+
+        const auto pair_at = [&](int v, Block& block)
+        {
+            for (int i = first[v]; i < first[v + 1]; ++i)
+                for (int j = first[v]; j < i; ++j)
+                {
+                    const int g = at_lower[i], h = at_lower[j];
+                    if (origin(g) != target(h) || origin(h) != target(g))
+                        continue;
+                    twin(g) = h;
+                    twin(h) = g;
+                    enlist(origin(g) == v ? g : h, 0, block);
+                }
+        };
+        parallel_for(
+            blocks_.size(), options_.threads, {},
+            [&](std::size_t b)
             {
-                if (vertices_left_ <= target)
-                    return;
-                const int a = mesh_.triangles[t][e], b = mesh_.triangles[t][(e + 1) % 3];
-                if (a < b && squared_length(a, b) <= limit * limit && is_allowed(a, b))
-                    collapse(a, b);
-            }
+                blocks_[b].edges.resize(limits_.size());
+                const int end = std::min(int(b + 1) * block_size, int(vertices_.size()));
+                for (int v = int(b) * block_size; v < end; ++v)
+                    pair_at(v, blocks_[b]);
+            },
+            1);
     }
 
     /// Relative to the scale.
     double squared_length(int a, int b) const
     {
-        const double scale = std::min(scale_[a], scale_[b]);
-        return (mesh_.vertices[a] - mesh_.vertices[b]).squaredNorm() / (scale * scale);
+        const Vertex &p = vertices_[a], &q = vertices_[b];
+        const double scale = std::min(p.scale, q.scale);
+        return (p.position - q.position).squaredNorm() / (scale * scale);
     }
 
-    /// Power vertices crowd at the samples, so the end that has swallowed more lies on one: it stays.
-    Point target_of(int a, int b) const
+    /// Adds h to its class, but not to one before `earliest`.
+    void enlist(int h, std::size_t earliest, Block& block)
     {
-        if (merged_[a] >= 2 * merged_[b])
-            return mesh_.vertices[a];
-        if (merged_[b] >= 2 * merged_[a])
-            return mesh_.vertices[b];
-        return 0.5 * (mesh_.vertices[a] + mesh_.vertices[b]);
+        const double length = std::sqrt(squared_length(origin(h), target(h)));
+        std::size_t c = earliest;
+        while (c < limits_.size() && length > limits_[c])
+            ++c;
+        if (c < limits_.size())
+            block.edges[c].push_back(h);
     }
 
-    Vector area_normal(const std::array<int, 3>& t, int moved_a, int moved_b, const Point& to) const
+    /// Blocks go side by side; what touches several comes after them, one by one.
+    void collapse_side_by_side(std::size_t c)
     {
-        const auto corner = [&](int k) -> const Point&
-        { return t[k] == moved_a || t[k] == moved_b ? to : mesh_.vertices[t[k]]; };
-        return (corner(1) - corner(0)).cross(corner(2) - corner(0));
+        parallel_for(
+            blocks_.size(), options_.threads, {}, [&](std::size_t b) { collapse_block(int(b), c); }, 1);
+        std::vector<int> crossing;
+        for (Block& block : blocks_)
+        {
+            vertices_left_ -= block.collapsed;
+            block.collapsed = 0;
+            crossing.insert(crossing.end(), block.crossing.begin(), block.crossing.end());
+            block.crossing.clear();
+        }
+        for (const int h : crossing)
+            if (origin(h) != gone)
+                vertices_left_ -= visit(h, c, blocks_[block_of(origin(h))]);
     }
 
-    bool is_allowed(int a, int b)
+    void collapse_block(int b, std::size_t c)
     {
-        if (at_[a].size() + at_[b].size() > 40)
-            return false; // fans of such size are slivers again
-        // Link condition on a closed manifold: the ends share just the two vertices opposite their edge, and those keep
-        // three neighbours.
-        const int mark_a = ++mark_, mark_common = ++mark_;
-        for (const int t : at_[a])
-            for (const int v : mesh_.triangles[t])
-                marks_[v] = mark_a;
-        int common = 0;
-        for (const int t : at_[b])
-            for (const int v : mesh_.triangles[t])
-                if (marks_[v] == mark_a && v != a && v != b)
-                {
-                    marks_[v] = mark_common;
-                    ++common;
-                    if (at_[v].size() <= 3)
-                        return false;
-                }
-        if (common != 2)
-            return false;
-        if (squared_length(a, b) < 1e-6)
-            return true; // the corners of one sample's cluster; their triangles have no direction to keep
-        const Point target = target_of(a, b);
-        Vector mean = Vector::Zero();
-        for (const int v : {a, b})
-            for (const int t : at_[v])
-                mean += area_normal(mesh_.triangles[t], -1, -1, target);
-        mean.normalize();
-        for (const int v : {a, b})
-            for (const int t : at_[v])
+        Block& block = blocks_[b];
+        // By index: a collapse can append to it.
+        for (std::size_t i = 0; i < block.edges[c].size(); ++i)
+        {
+            const int h = block.edges[c][i];
+            if (origin(h) == gone)
+                continue;
+            // Of an edge to another block not even the length may be asked for: that end may move meanwhile.
+            if (block_of(origin(h)) != b || block_of(target(h)) != b)
+                block.crossing.push_back(h);
+            else
+                block.collapsed += visit(h, c, block, b);
+        }
+        block.edges[c] = {};
+    }
+
+    void collapse_to_target(std::size_t c)
+    {
+        for (Block& block : blocks_)
+        {
+            for (std::size_t i = 0; i < block.edges[c].size(); ++i)
             {
-                const auto& corners = mesh_.triangles[t];
-                const bool goes = std::count(corners.begin(), corners.end(), a) && std::count(corners.begin(), corners.end(), b);
-                if (goes)
-                    continue;
-                const Vector before = area_normal(corners, -1, -1, target), after = area_normal(corners, a, b, target);
-                const double size = after.norm();
-                if (!(after.dot(mean) > 0.2 * size) && !(after.dot(before) > 0.7 * size * before.norm()))
+                if (vertices_left_ <= options_.target_vertices)
+                    return;
+                const int h = block.edges[c][i];
+                if (origin(h) != gone)
+                    vertices_left_ -= visit(h, c, block);
+            }
+            block.edges[c] = {};
+        }
+    }
+
+    static constexpr int any_block = -1;
+
+    /// Collapses h if class c is its class and nothing forbids it, else puts it off. \returns the number of vertices
+    /// that went.
+    int visit(int h, std::size_t c, Block& block, int only_in = any_block)
+    {
+        if (origin(h) > target(h))
+            h = twin(h); // so that the lower number stays
+        const int a = origin(h), b = target(h);
+        const double length2 = squared_length(a, b);
+        if (length2 > limits_[c] * limits_[c])
+        {
+            enlist(h, c + 1, block);
+            return 0;
+        }
+        Surroundings around;
+        if (vertices_[a].degree + vertices_[b].degree <= most_neighbours)
+        {
+            gather(h, around);
+            if (only_in != any_block && !lies_in_block(around, only_in))
+            {
+                block.crossing.push_back(h);
+                return 0;
+            }
+            if (keeps_topology(around) && (length2 < cluster_length * cluster_length || keeps_directions(a, b, around)))
+            {
+                collapse(h, around, c, block);
+                return 1;
+            }
+        }
+        if (c + 1 < limits_.size())
+            block.edges[c + 1].push_back(h);
+        return 0;
+    }
+
+    void gather(int h, Surroundings& around) const
+    {
+        const auto walk = [&](int start, auto& half_edges, auto& ends)
+        {
+            int count = 0, g = start;
+            do
+            {
+                half_edges[count] = g;
+                ends[count++] = target(g);
+                g = twin(previous(g));
+            } while (g != start);
+            return count;
+        };
+        around.count_a = walk(h, around.from_a, around.around_a);
+        around.count_b = walk(twin(h), around.from_b, around.around_b);
+    }
+
+    static bool lies_in_block(const Surroundings& around, int block)
+    {
+        const auto inside = [&](int v) { return block_of(v) == block; };
+        return std::all_of(around.around_a.begin(), around.around_a.begin() + around.count_a, inside) &&
+               std::all_of(around.around_b.begin(), around.around_b.begin() + around.count_b, inside);
+    }
+
+    /// Link condition on a closed manifold: the ends share just the two vertices opposite their edge, and those keep
+    /// three neighbours.
+    bool keeps_topology(const Surroundings& around) const
+    {
+        const auto end_a = around.around_a.begin() + around.count_a;
+        int common = 0;
+        for (int i = 0; i < around.count_b; ++i)
+            if (std::find(around.around_a.begin(), end_a, around.around_b[i]) != end_a)
+            {
+                if (++common > 2 || vertices_[around.around_b[i]].degree <= 3)
                     return false;
             }
+        return common == 2;
+    }
+
+    /// Whether no triangle turns against the mean of those around the edge from a to b, or much against what it was.
+    bool keeps_directions(int a, int b, const Surroundings& around) const
+    {
+        const Point to = merge_point(a, b);
+        std::array<Vector, most_neighbours> before, after; // twice the area times the normal; of triangles that stay
+        int count = 0;
+        Vector mean = Vector::Zero();
+        const auto add_fan = [&](int centre, int other, const auto& ends, int number)
+        {
+            // Half-edges turn counter-clockwise: the triangle of the one to ends[i] lies towards ends[i + 1].
+            for (int i = 0; i < number; ++i)
+            {
+                const int v = ends[i], w = ends[i + 1 < number ? i + 1 : 0];
+                const Point &p = vertices_[centre].position, &q = vertices_[v].position, &r = vertices_[w].position;
+                const Vector normal = (q - p).cross(r - p);
+                mean += normal;
+                if (v == other || w == other)
+                    continue;
+                before[count] = normal;
+                after[count++] = (q - to).cross(r - to);
+            }
+        };
+        add_fan(a, b, around.around_a, around.count_a);
+        add_fan(b, a, around.around_b, around.count_b);
+        mean.normalize();
+        for (int i = 0; i < count; ++i)
+        {
+            const double size = after[i].norm();
+            if (!(after[i].dot(mean) > 0.2 * size) && !(after[i].dot(before[i]) > 0.7 * size * before[i].norm()))
+                return false;
+        }
         return true;
     }
 
-    void collapse(int a, int b)
+    /// Power vertices crowd at the samples, so the end that has swallowed more lies on one: it stays.
+    Point merge_point(int a, int b) const
     {
-        mesh_.vertices[a] = target_of(a, b);
-        merged_[a] += merged_[b];
-        for (const int t : at_[b])
+        const Vertex &p = vertices_[a], &q = vertices_[b];
+        if (p.merged >= 2 * q.merged)
+            return p.position;
+        if (q.merged >= 2 * p.merged)
+            return q.position;
+        return 0.5 * (p.position + q.position);
+    }
+
+    /// Moves the target of h into its origin. Edges that become one stand for both from now on.
+    void collapse(int h, const Surroundings& around, std::size_t c, Block& block)
+    {
+        const int a = origin(h), b = target(h), g = twin(h);
+        vertices_[a].position = merge_point(a, b);
+        vertices_[a].merged += vertices_[b].merged;
+        vertices_[a].degree += vertices_[b].degree - 4;
+        vertices_[b].outgoing = gone;
+        for (int i = 0; i < around.count_b; ++i)
+            origin(around.from_b[i]) = a;
+        for (const int removed : {h, g})
         {
-            auto& corners = mesh_.triangles[t];
-            if (std::count(corners.begin(), corners.end(), a))
-            {
-                alive_[t] = 0;
-                for (const int v : corners)
-                    if (v != b)
-                        at_[v].erase(std::find(at_[v].begin(), at_[v].end(), t));
-                continue;
-            }
-            std::replace(corners.begin(), corners.end(), b, a);
-            at_[a].push_back(t);
+            const int one = twin(next(removed)), other = twin(previous(removed));
+            const int opposite = origin(previous(removed));
+            twin(one) = other;
+            twin(other) = one;
+            const bool one_leaves = origin(one) == opposite;
+            vertices_[opposite].outgoing = one_leaves ? one : other;
+            --vertices_[opposite].degree;
+            vertices_[a].outgoing = one_leaves ? other : one;
+            block.edges[c].push_back(one);
         }
-        at_[b].clear();
-        --vertices_left_;
+        triangles_[h >> 2].origin = triangles_[g >> 2].origin = {gone, gone, gone, gone};
     }
 
     TriangleMesh& mesh_;
-    const std::vector<double>& scale_;
     const EdgeCollapseOptions& options_;
-    std::vector<std::vector<int>> at_; ///< Triangles at each vertex.
-    std::vector<char> alive_;
-    std::vector<int> merged_; ///< Vertices that each one stands for.
+    std::vector<double> limits_;    ///< Upper ends of the classes of length [scale].
+    std::size_t unconditional_ = 0; ///< Classes that go whatever the number of vertices.
+    std::vector<Triangle> triangles_;
+    std::vector<Vertex> vertices_;
     int vertices_left_;
-    std::vector<int> marks_; ///< Per vertex: which test saw it last.
-    int mark_ = 0;
+    std::vector<Block> blocks_;
 };
 
 } // namespace
 
-std::vector<int> collapse_short_edges(TriangleMesh& mesh, const std::vector<double>& scale, const EdgeCollapseOptions& options)
+std::vector<int> collapse_short_edges(TriangleMesh& mesh, const std::vector<double>& scale,
+                                      const EdgeCollapseOptions& options)
 {
     mesh.faux_edges.clear();
+    if (mesh.triangles.empty())
+        return {};
     Collapser collapser(mesh, scale, options);
     collapser.run();
-    return keep_triangles(mesh, collapser.alive());
+    return std::move(collapser).copy_back();
 }
 
 } // namespace recon

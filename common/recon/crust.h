@@ -19,6 +19,7 @@ struct CrustOptions
     KeepComponents keep_components = KeepComponents::largest;
     bool simplify = true;     ///< Collapse short edges.
     int target_vertices = 0;  ///< Vertices to collapse down to, as far as no long edge must go [count].
+    int threads = 1;          ///< [count], >= 1. The result does not depend on it.
 };
 
 /// Crust of labelled balls, in the unit frame: extracted, stray shells dropped, short edges collapsed. A closed oriented

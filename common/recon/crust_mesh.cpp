@@ -1,5 +1,7 @@
 #include <recon/crust_mesh.h>
 
+#include <recon/parallel.h>
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -38,9 +40,9 @@ int best_fan_corner(const Points& vertices, const std::vector<int>& polygon)
     return best;
 }
 
-void append_polygon(TriangleMesh& mesh, const std::vector<int>& polygon)
+void append_polygon(const Points& vertices, const std::vector<int>& polygon, TriangleMesh& mesh)
 {
-    const int n = int(polygon.size()), apex = best_fan_corner(mesh.vertices, polygon);
+    const int n = int(polygon.size()), apex = best_fan_corner(vertices, polygon);
     const auto corner = [&](int k) { return polygon[(apex + k) % n]; };
     for (int k = 1; k + 1 < n; ++k)
     {
@@ -51,7 +53,8 @@ void append_polygon(TriangleMesh& mesh, const std::vector<int>& polygon)
 
 } // namespace
 
-TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, std::vector<int>* ball_of_vertex)
+TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads,
+                           std::vector<int>* ball_of_vertex)
 {
     TriangleMesh mesh;
     if (ball_of_vertex)
@@ -70,24 +73,40 @@ TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>
             ball_of_vertex->push_back(v[0]);
     }
 
-    std::vector<int> ring, polygon;
-    for (int c = 0; c < regular.finite_cells; ++c)
+    constexpr std::size_t grain = 8192;
+    std::vector<TriangleMesh> chunks((std::size_t(regular.finite_cells) + grain - 1) / grain);
+    parallel_chunks(std::size_t(regular.finite_cells), threads, grain, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> ring, polygon;
+                        for (int c = int(begin); c < int(end); ++c)
+                        {
+                            if (vertex_of_cell[c] < 0)
+                                continue;
+                            const auto& v = regular.cells[c].vertices;
+                            for (int i = 0; i < 4; ++i)
+                                for (int j = 0; j < 4; ++j)
+                                {
+                                    if (labels[v[i]] != Side::inner || labels[v[j]] != Side::outer)
+                                        continue;
+                                    if (!regular.list_ring_from_lowest(c, v[i], v[j], ring))
+                                        continue;
+                                    polygon.clear();
+                                    for (const int k : ring)
+                                        polygon.push_back(vertex_of_cell[k]);
+                                    append_polygon(mesh.vertices, polygon, chunks[begin / grain]);
+                                }
+                        }
+                    });
+    std::size_t total = 0;
+    for (const TriangleMesh& chunk : chunks)
+        total += chunk.triangles.size();
+    mesh.triangles.reserve(total);
+    mesh.faux_edges.reserve(total);
+    for (const TriangleMesh& chunk : chunks)
     {
-        if (vertex_of_cell[c] < 0)
-            continue;
-        const auto& v = regular.cells[c].vertices;
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j)
-            {
-                if (labels[v[i]] != Side::inner || labels[v[j]] != Side::outer)
-                    continue;
-                if (!regular.list_ring_from_lowest(c, v[i], v[j], ring))
-                    continue;
-                polygon.clear();
-                for (const int k : ring)
-                    polygon.push_back(vertex_of_cell[k]);
-                append_polygon(mesh, polygon);
-            }
+        mesh.triangles.insert(mesh.triangles.end(), chunk.triangles.begin(), chunk.triangles.end());
+        mesh.faux_edges.insert(mesh.faux_edges.end(), chunk.faux_edges.begin(), chunk.faux_edges.end());
     }
     return mesh;
 }

@@ -14,7 +14,7 @@ namespace recon
 /// coordinates, so it is a closed oriented 2-manifold by construction.
 /// \param regular of the power diagram. \pre balls on its hull are outer.
 /// \returns an empty mesh if all labels are the same. `ball_of_vertex`, if given, gets a ball at each vertex.
-TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels,
+TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1,
                            std::vector<int>* ball_of_vertex = nullptr);
 
 /// Connected components of a mesh by shared vertices: per triangle its component, numbered in order of first triangle.

@@ -1,7 +1,6 @@
 #include <recon/delaunay.h>
 
 #include <recon/flatten_triangulation.h>
-#include <recon/power_centre.h>
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Delaunay_triangulation_cell_base_3.h>
@@ -21,12 +20,13 @@ namespace
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<int, Kernel>;
-using CellBase = CGAL::Triangulation_cell_base_with_info_3<int, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
+using CellBase =
+    CGAL::Triangulation_cell_base_with_info_3<int, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
 } // namespace
 
-Triangulation triangulate_delaunay(const Points& points, const Progress& progress)
+Triangulation triangulate_delaunay(const Points& points, const Progress& progress, int threads)
 {
     std::vector<Kernel::Point_3> sites;
     sites.reserve(points.size());
@@ -50,13 +50,9 @@ Triangulation triangulate_delaunay(const Points& points, const Progress& progres
             hint->info() = int(order[i]);
     }
 
-    Triangulation flat = flatten_triangulation(delaunay, points.size());
-    flat.centres.resize(std::size_t(flat.finite_cells));
-    for (int c = 0; c < flat.finite_cells; ++c)
-    {
-        const auto& v = flat.cells[c].vertices;
-        flat.centres[c] = find_power_centre({points[v[0]], points[v[1]], points[v[2]], points[v[3]]}, {0, 0, 0, 0});
-    }
+    Triangulation flat = flatten_triangulation(delaunay, points.size(), threads);
+    find_centres(
+        flat, threads, [&](int v) -> const Point& { return points[v]; }, [](int) { return 0.0; });
     return flat;
 }
 

@@ -117,7 +117,8 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     std::optional<NeighbourSearch> search;
     SampleSpacing spacing;
     parallel_invoke(
-        threads, [&] { delaunay = triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation")); },
+        threads,
+        [&] { delaunay = triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation"), threads); },
         [&]
         {
             search.emplace(free_samples);
@@ -144,7 +145,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     // Step 4.
     times.begin("power diagram");
     PowerDiagram diagram(kept.balls, progress.part(0.35, 0.55, "power diagram"));
-    Triangulation regular = diagram.triangulation();
+    Triangulation regular = diagram.triangulation(threads);
 
     // Step 5.
     times.begin("labels");
@@ -195,7 +196,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     if (!doubtful.empty())
     {
         diagram.remove(doubtful);
-        regular = diagram.triangulation();
+        regular = diagram.triangulation(threads);
     }
     // The second round sees what the first joined.
     for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, 0.02, labels) > 0; ++round)

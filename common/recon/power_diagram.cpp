@@ -1,7 +1,6 @@
 #include <recon/power_diagram.h>
 
 #include <recon/flatten_triangulation.h>
-#include <recon/power_centre.h>
 #include <recon/scramble.h>
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -24,10 +23,12 @@ namespace
 {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<int, Kernel, CGAL::Regular_triangulation_vertex_base_3<Kernel>>;
+using VertexBase =
+    CGAL::Triangulation_vertex_base_with_info_3<int, Kernel, CGAL::Regular_triangulation_vertex_base_3<Kernel>>;
 using CellBase = CGAL::Triangulation_cell_base_with_info_3<
     int, Kernel,
-    CGAL::Regular_triangulation_cell_base_3<Kernel, CGAL::Triangulation_cell_base_3<Kernel>, CGAL::Discard_hidden_points>>;
+    CGAL::Regular_triangulation_cell_base_3<Kernel, CGAL::Triangulation_cell_base_3<Kernel>,
+                                            CGAL::Discard_hidden_points>>;
 using CgalRegular = CGAL::Regular_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
 /// Uniform in [0, 1), a fixed function of the index.
@@ -76,7 +77,8 @@ struct PowerDiagram::Regular
     }
 };
 
-PowerDiagram::PowerDiagram(const std::vector<Ball>& balls, const Progress& progress) : regular_(std::make_unique<Regular>())
+PowerDiagram::PowerDiagram(const std::vector<Ball>& balls, const Progress& progress)
+    : regular_(std::make_unique<Regular>())
 {
     Regular& r = *regular_;
     r.centres.reserve(balls.size());
@@ -115,17 +117,12 @@ void PowerDiagram::remove(const std::vector<int>& balls)
     r.build(std::move(left), {});
 }
 
-Triangulation PowerDiagram::triangulation() const
+Triangulation PowerDiagram::triangulation(int threads) const
 {
     const Regular& r = *regular_;
-    Triangulation flat = flatten_triangulation(regular_->triangulation, r.centres.size());
-    flat.centres.resize(std::size_t(flat.finite_cells));
-    for (int c = 0; c < flat.finite_cells; ++c)
-    {
-        const auto& v = flat.cells[c].vertices;
-        flat.centres[c] = find_power_centre({r.centres[v[0]], r.centres[v[1]], r.centres[v[2]], r.centres[v[3]]},
-                                            {r.weights[v[0]], r.weights[v[1]], r.weights[v[2]], r.weights[v[3]]});
-    }
+    Triangulation flat = flatten_triangulation(regular_->triangulation, r.centres.size(), threads);
+    find_centres(
+        flat, threads, [&](int v) -> const Point& { return r.centres[v]; }, [&](int v) { return r.weights[v]; });
     return flat;
 }
 

@@ -32,7 +32,7 @@ public:
     void remove(const std::vector<int>& balls);
 
     /// The dual triangulation; vertices are indices of the balls, hidden balls are vertices of no cell.
-    Triangulation triangulation() const;
+    Triangulation triangulation(int threads = 1) const;
 
 private:
     struct Regular;

@@ -1,4 +1,5 @@
 #include <recon/ball_attraction.h>
+#include <recon/collapse_edges.h>
 #include <recon/crust_mesh.h>
 #include <recon/crust_repair.h>
 #include <recon/delaunay.h>
@@ -140,6 +141,41 @@ TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
             EXPECT_EQ(report.genus(), 1);
             EXPECT_NEAR(report.volume, 2 * pi * pi * major * minor * minor, 0.02 * report.volume);
         }
+    }
+}
+
+TEST(CollapseShortEdges, KeepsTheTopologyAndTheShapeForAnyNumberOfThreads)
+{
+    // Enough vertices for several of the blocks that go side by side.
+    Points samples = shapes::with_noise(shapes::torus(8000, major, minor, 2).points, 1e-4, 3);
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    const PolarBalls kept =
+        keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double r, const auto&) { return r > 0.02; });
+    std::vector<Side> labels;
+    for (const Ball& ball : kept.balls)
+        labels.push_back(true_side(ball.centre));
+    const TriangleMesh crust = extract_crust(PowerDiagram(kept.balls).triangulation(), labels);
+    ASSERT_GT(crust.vertices.size(), 60000u);
+    const std::vector<double> scale(crust.vertices.size(), 0.015);
+    EdgeCollapseOptions options;
+    options.target_vertices = 8000;
+    TriangleMesh alone;
+    for (options.threads = 1; options.threads <= 3; ++options.threads)
+    {
+        TriangleMesh mesh = crust;
+        const std::vector<int> former = collapse_short_edges(mesh, scale, options);
+        const checks::MeshReport report = checks::examine_mesh(mesh);
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_EQ(report.genus(), 1);
+        EXPECT_NEAR(report.volume, 2 * pi * pi * major * minor * minor, 0.02 * report.volume);
+        EXPECT_EQ(former.size(), mesh.vertices.size());
+        EXPECT_LE(mesh.vertices.size(), 9000u);
+        EXPECT_GE(mesh.vertices.size(), 4000u);
+        if (options.threads == 1)
+            alone = mesh;
+        EXPECT_EQ(mesh.triangles, alone.triangles);
+        EXPECT_EQ(mesh.vertices, alone.vertices);
     }
 }
 
