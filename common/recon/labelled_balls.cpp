@@ -95,9 +95,11 @@ std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, 
 }
 
 /// The labels with less contradicted weight of those from contraction and from the potential.
-std::vector<Side> label_by_best(const SignedGraph& graph)
+std::vector<Side> label_by_best(const SignedGraph& graph, int threads)
 {
-    std::vector<Side> labels = label_by_contraction(graph), by_potential = label_by_potential(graph);
+    std::vector<Side> labels, by_potential;
+    parallel_invoke(
+        threads, [&] { labels = label_by_contraction(graph); }, [&] { by_potential = label_by_potential(graph); });
     return measure_energy(graph, by_potential) < measure_energy(graph, labels) ? by_potential : labels;
 }
 
@@ -142,9 +144,14 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     delaunay = Triangulation();
     progress.part(0.3, 0.35, "polar balls").report(1);
 
-    // Step 4.
+    // Step 4, beside the votes, which need no diagram.
     times.begin("power diagram");
-    PowerDiagram diagram(kept.balls, progress.part(0.35, 0.55, "power diagram"));
+    std::optional<PowerDiagram> built;
+    std::vector<SignedEdge> votes;
+    parallel_invoke(
+        threads, [&] { built.emplace(kept.balls, progress.part(0.35, 0.6, "power diagram")); },
+        [&] { votes = list_opposite_votes(samples, kept, *search, 1); });
+    PowerDiagram& diagram = *built;
     Triangulation regular = diagram.triangulation(threads);
 
     // Step 5.
@@ -155,9 +162,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     if (oriented)
         attraction_options.merge_above = 2; // normals settle what the shortcut would decide at once
     BallAttraction attraction = weigh_attraction(regular, kept.balls, ball_density, attraction_options,
-                                                 progress.part(0.55, 0.65, "attraction of balls"));
-    const std::vector<SignedEdge> votes =
-        list_opposite_votes(samples, kept, *search, threads, progress.part(0.65, 0.75, "votes of the samples"));
+                                                 progress.part(0.6, 0.75, "attraction of balls"));
     SignedGraph graph;
     graph.nodes = int(kept.balls.size());
     graph.edges = std::move(attraction.edges);
@@ -177,7 +182,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     if (oriented)
         improve_labels(graph, labels);
     else
-        labels = label_by_best(graph);
+        labels = label_by_best(graph, threads);
     const double violated = measure_violated_repulsion(votes, labels).share();
     progress.part(0.75, 0.85, "labels").report(1);
 
