@@ -91,7 +91,7 @@ AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int 
 
     // Plain: all around lies on the same piece.
     std::vector<std::uint8_t> plain(coarse.size());
-    const NeighbourSearch search(places);
+    const BlockSearch search(places);
     parallel_chunks(coarse.size(), threads, 512, {},
                     [&](std::size_t begin, std::size_t end)
                     {

@@ -4,7 +4,7 @@
 #include "voxel_table.h"
 #include "weighted_sums.h"
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ double normal_width(const LocalScale& s)
 class PlaneFitter
 {
 public:
-    PlaneFitter(const Cells& cells, const NeighbourSearch& search) : cells_(cells), search_(search) {}
+    PlaneFitter(const Cells& cells, const BlockSearch& search) : cells_(cells), search_(search) {}
 
     void fit(const Run& run, CellNormals& result)
     {
@@ -94,7 +94,7 @@ private:
     }
 
     const Cells& cells_;
-    const NeighbourSearch& search_;
+    const BlockSearch& search_;
     std::vector<int> found_;
     Gathered around_run_, around_cell_;
 };
@@ -149,7 +149,7 @@ Cells average_cells(const Points& points, const LocalScales& scales, int threads
     return cells;
 }
 
-CellNormals estimate_cell_normals(const Cells& cells, const NeighbourSearch& search, int threads,
+CellNormals estimate_cell_normals(const Cells& cells, const BlockSearch& search, int threads,
                                   const Progress& progress)
 {
     const int n = cells.size();

@@ -3,7 +3,7 @@
 #include "local_scales.h"
 
 #include <recon/geometry.h>
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/progress.h>
 
 #include <cstdint>
@@ -45,7 +45,7 @@ struct CellNormals
         widening; ///< Factor by which the width had to grow for the neighbourhood to have an extent [1].
 };
 /// \param search of the cells' means.
-CellNormals estimate_cell_normals(const Cells& cells, const NeighbourSearch& search, int threads,
+CellNormals estimate_cell_normals(const Cells& cells, const BlockSearch& search, int threads,
                                   const Progress& progress = {});
 
 } // namespace recon

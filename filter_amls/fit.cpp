@@ -3,7 +3,7 @@
 #include "runs.h"
 #include "weighted_sums.h"
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -88,7 +88,7 @@ Anchor fit_anchor(const Gathered& gathered, const Point& origin, const Point& fo
 
 } // namespace
 
-std::vector<Anchor> fit_anchors(const Cells& cells, const NeighbourSearch& search, const Vectors& normals,
+std::vector<Anchor> fit_anchors(const Cells& cells, const BlockSearch& search, const Vectors& normals,
                                 const Points& feet, const std::vector<int>& anchors, const std::vector<double>& widths,
                                 int threads, const Progress& progress)
 {

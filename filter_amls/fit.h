@@ -25,7 +25,7 @@ struct Anchor
 /// Where that fails, turns by more than 60 degrees or moves too far, the anchor stays the plane of its cell.
 /// \param search of the cells' means. \param normals oriented, one per cell. \param feet of the cells. \param widths h
 /// per anchor [length].
-std::vector<Anchor> fit_anchors(const Cells& cells, const NeighbourSearch& search, const Vectors& normals,
+std::vector<Anchor> fit_anchors(const Cells& cells, const BlockSearch& search, const Vectors& normals,
                                 const Points& feet, const std::vector<int>& anchors, const std::vector<double>& widths,
                                 int threads, const Progress& progress = {});
 

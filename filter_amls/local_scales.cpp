@@ -3,6 +3,7 @@
 #include "simd.h"
 #include "weighted_sums.h"
 
+#include <recon/block_search.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
@@ -98,7 +99,7 @@ using Risks = std::array<double, ladder>;
 class RiskEstimator
 {
 public:
-    RiskEstimator(const Points& points, const NeighbourSearch& search) : points_(points), search_(search) {}
+    RiskEstimator(const Points& points, const BlockSearch& search) : points_(points), search_(search) {}
 
     Risks estimate(const Point& seed, double sigma, double narrowest)
     {
@@ -213,7 +214,7 @@ private:
     }
 
     const Points& points_;
-    const NeighbourSearch& search_;
+    const BlockSearch& search_;
     std::vector<int> found_;
     Gathered gathered_;
     std::vector<double> u_, v_, z_, l_, l0_;
@@ -258,7 +259,7 @@ LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int 
         asked.push_back(noise.seeds()[i]);
         asked_index.push_back(i);
     }
-    const NeighbourSearch search(points);
+    const BlockSearch search(points);
     std::vector<Risks> risks(asked.size());
     parallel_chunks(asked.size(), threads, 16, progress,
                     [&](std::size_t begin, std::size_t end)
@@ -303,7 +304,11 @@ LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int 
                      for (int k = 0; k < count; ++k)
                          total += log_width[near[k]];
                      result.at_seed[i].width = std::exp(total / count);
+                     distance[i] = std::sqrt(squared[std::min(1, count - 1)]);
                  });
+    const auto close = distance.begin() + std::ptrdiff_t(distance.size() / 10);
+    std::nth_element(distance.begin(), close, distance.end());
+    result.seed_reach = seed_reach * *close;
     return result;
 }
 

@@ -2,7 +2,7 @@
 
 #include "feature_size.h"
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -234,8 +234,8 @@ Labels label_balls(int balls, const std::vector<Tie>& ties, const SortedTies& so
 
 /// Flips normals that contradict the 12 points around them, beginning where neighbours in the triangulation contradict
 /// each other, since elsewhere all agree.
-void settle_votes(const Triangulation& t, const Points& points, const std::vector<double>& vote, int threads,
-                  Vectors& normals)
+void settle_votes(const Triangulation& t, const Points& points, const std::vector<double>& vote,
+                  const std::vector<double>& spacing, int threads, Vectors& normals)
 {
     const int n = int(points.size());
     std::vector<char> doubtful(n, 0);
@@ -247,7 +247,7 @@ void settle_votes(const Triangulation& t, const Points& points, const std::vecto
                 if (v[i] < n && v[j] < n && normals[v[i]].dot(normals[v[j]]) < 0)
                     doubtful[v[i]] = doubtful[v[j]] = 1;
     }
-    const NeighbourSearch search(points);
+    const BlockSearch search(points);
     for (int round = 0; round < vote_rounds; ++round)
     {
         std::vector<int> asked;
@@ -263,7 +263,8 @@ void settle_votes(const Triangulation& t, const Points& points, const std::vecto
                 const int v = asked[i];
                 double squared[vote_neighbours + 1], agreement = 0;
                 int* found = &near[i * (vote_neighbours + 1)];
-                const int count = search.nearest(points[v], vote_neighbours + 1, found, squared);
+                double reach = 2.5 * spacing[v];
+                const int count = search.nearest(points[v], vote_neighbours + 1, found, squared, reach);
                 for (int k = 0; k < count; ++k)
                     agreement += normals[v].dot(normals[found[k]]) * (least_vote + std::abs(vote[found[k]]));
                 flip[i] = agreement < 0;
@@ -326,7 +327,7 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     for (int v = 0; v < n; ++v)
         if (vote[v] < 0)
             result.normals[v] = -normals[v];
-    settle_votes(t, points, vote, threads, result.normals);
+    settle_votes(t, points, vote, spacing, threads, result.normals);
 
     double volume = 0;
     Vector mean = Vector::Zero();

@@ -18,7 +18,7 @@ namespace
 
 using simd::Lanes;
 
-constexpr double narrowing = 0.7;                        // of the widths: quadrics need less averaging than planes
+constexpr double narrowing = 0.7;                         // of the widths: quadrics need less averaging than planes
 constexpr double least_weight = 1e-6;                     // below it no anchor is near
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
@@ -294,14 +294,16 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
     {
         moved.resize(m);
         nearest_cell.resize(m);
-        parallel_for(
-            m, threads, progress.part(0, 0.2, "Projection"),
-            [&](std::size_t i)
-            {
-                moved[i] = data.frame.to_unit(points[spatial.order[i]]);
-                nearest_cell[i] = data.cell_search.nearest(moved[i]);
-            },
-            4096);
+        parallel_chunks(m, threads, 4096, progress.part(0, 0.2, "Projection"),
+                        [&](std::size_t begin, std::size_t end)
+                        {
+                            double squared = 0, reach = 0;
+                            for (std::size_t i = begin; i < end; ++i)
+                            {
+                                moved[i] = data.frame.to_unit(points[spatial.order[i]]);
+                                data.cell_search.nearest(moved[i], 1, &nearest_cell[i], &squared, reach);
+                            }
+                        });
     }
     const Points& unit = own ? data.points : moved;
     const std::vector<int>& cell = own ? data.cells.cell_of_point : nearest_cell;

@@ -1,18 +1,10 @@
 #pragma once
 
-// Eight doubles at a time, in the compiler's vector types: the same source becomes SSE2, AVX2 or AVX-512 code, and
-// RECON_VECTOR_CLONES lets one library hold all three and choose at run time. Functions that take or return Lanes must
-// be inlined into such a function (lambdas are not: they do not inherit its instruction set).
+// Eight doubles at a time, in the compiler's vector types: the same source becomes SSE2, AVX2 or AVX-512 code.
+
+#include <recon/vector_clones.h>
 
 #include <cstring>
-
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__)
-#define RECON_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#pragma GCC diagnostic ignored "-Wpsabi" // the ABI does not matter: everything is inlined
-#else
-#define RECON_VECTOR_CLONES
-#endif
-#define RECON_INLINE inline __attribute__((always_inline))
 
 namespace recon::simd
 {

@@ -5,7 +5,9 @@
 #include "orient.h"
 #include "surface_data.h"
 
+#include <recon/block_search.h>
 #include <recon/errors.h>
+#include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
 
@@ -71,17 +73,19 @@ void orient_cells(const Cells& cells, const Points& feet, const AnchorChoice& ch
             if (cosine < 0)
                 normals[c] = -normals[c];
         }
-    Points positions;
-    Vectors directions;
+    std::vector<char> asked(normals.size(), 0);
     for (const auto* list : {&choice.landmarks, &choice.anchors})
         for (const int c : *list)
-            if (known[c] == 1)
-            {
-                positions.push_back(feet[c]);
-                directions.push_back(normals[c]);
-                known[c] = 2; // landmarks are mostly anchors too
-            }
-    const NeighbourSearch search(positions);
+            asked[c] = 1;
+    Points positions;
+    Vectors directions;
+    for (int c = 0; c < cells.size(); ++c)
+        if (asked[c] && known[c])
+        {
+            positions.push_back(feet[c]);
+            directions.push_back(normals[c]);
+        }
+    const BlockSearch search(positions);
     parallel_for(
         std::size_t(cells.size()), threads, {},
         [&](std::size_t c)
@@ -90,8 +94,9 @@ void orient_cells(const Cells& cells, const Points& feet, const AnchorChoice& ch
                 return;
             int near[voters];
             double squared[voters];
-            const int count = search.nearest(feet[c], voters, near, squared);
             const double h = fine_spacing * cells.scales[c].width;
+            double reach = 2.5 * h;
+            const int count = search.nearest(feet[c], voters, near, squared, reach);
             double vote = 0;
             for (int k = 0; k < count; ++k)
             {
@@ -163,7 +168,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     times.begin("cells");
     Cells& cells = data->cells;
     cells = average_cells(data->points, scales, threads, progress.part(0.15, 0.2, "Cells"));
-    data->cell_search = NeighbourSearch(cells.means);
+    data->cell_search = BlockSearch(cells.means);
     times.begin("normals");
     CellNormals& normals = data->cell_normals;
     normals = estimate_cell_normals(cells, data->cell_search, threads, progress.part(0.2, 0.35, "Normals"));
@@ -236,7 +241,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
                                 progress.part(0.85, 1, "Fit"));
     for (const Anchor& anchor : data->anchors)
         data->anchor_positions.push_back(anchor.position);
-    data->anchor_search = NeighbourSearch(data->anchor_positions);
+    data->anchor_search = BlockSearch(data->anchor_positions);
     times.end();
 
     AmlsSurfaceReport& report = data->report;

@@ -4,7 +4,7 @@
 #include "fit.h"
 #include "surface.h"
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/spatial_order.h>
 
 namespace recon
@@ -14,17 +14,17 @@ namespace recon
 struct AmlsSurface::Data
 {
     explicit Data(UnitFrame f) : frame(f) {}
-    Data(const Data&) = delete; // the searches keep references
+    Data(const Data&) = delete;
 
     UnitFrame frame;
     SpatialOrder spatial; ///< Of the input points.
     Points points;        ///< The distinct ones, in that order.
     Cells cells;
-    NeighbourSearch cell_search{cells.means};
+    BlockSearch cell_search; ///< Of the cells' means.
     CellNormals cell_normals; ///< Normals outward.
     std::vector<Anchor> anchors;
     Points anchor_positions;
-    NeighbourSearch anchor_search{anchor_positions};
+    BlockSearch anchor_search;
     std::vector<double> anchor_spacing; ///< Distance of neighbouring anchors, per anchor.
     AmlsSurfaceReport report;
 

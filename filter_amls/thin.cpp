@@ -1,6 +1,6 @@
 #include "thin.h"
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/scramble.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace recon
 {
 std::vector<int> thin_to_poisson_disks(const Points& points, const Vectors& normals, const std::vector<double>& radii)
 {
-    const NeighbourSearch search(points);
+    const BlockSearch search(points);
     std::vector<int> order(points.size());
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(),

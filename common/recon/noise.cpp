@@ -1,5 +1,6 @@
 #include <recon/noise.h>
 
+#include <recon/block_search.h>
 #include <recon/errors.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
@@ -179,11 +180,10 @@ struct Pyramid
     static constexpr int step = 4;
     static constexpr std::size_t coarsest = 2000;
     std::vector<Points> levels;
-    std::vector<NeighbourSearch> searches;
+    std::vector<BlockSearch> searches;
 
     explicit Pyramid(Points points)
     {
-        levels.reserve(16); // the searches keep references
         levels.push_back(std::move(points));
         while (levels.back().size() > step * coarsest && levels.size() < 4)
         {
@@ -212,21 +212,23 @@ public:
     Local estimate(const Point& seed)
     {
         double k = smallest_count;
+        found_ = 0;
         while (true)
         {
-            measure(seed, k);
+            // Few do where there is little noise.
+            measure(seed, k, k < 2 * smallest_count ? k * growth : k * growth * growth * growth);
             if (radius_ >= flatness * fit_.residual || k * growth > limit_)
                 break;
             k *= growth;
         }
         // Around the foot from now on, where the correction for the ball holds.
         const Point foot = fit_.foot;
-        measure(foot, k);
+        measure(foot, k, k * growth);
         const Local narrow = correct_for_ball(fit_.residual, count_, radius_);
         const double narrow_radius = radius_;
         if (k * growth > limit_)
             return {narrow.sigma, narrow.density, false};
-        measure(foot, k * growth);
+        measure(foot, k * growth, k * growth);
         const Local wide = correct_for_ball(fit_.residual, count_, radius_);
         // What a quadric cannot follow grows with the third power of the radius: the two scales tell it from the noise.
         // Only upwards: of a few clusters of points a quadric leaves too little at first.
@@ -240,18 +242,45 @@ public:
     }
 
 private:
-    void measure(const Point& centre, double k)
+    struct Wanted
     {
-        std::size_t level = 0;
-        int share = 1;
-        for (double c = k; c > many && level + 1 < pyramid_.levels.size(); c /= Pyramid::step, share *= Pyramid::step)
-            ++level;
-        const int wanted = std::max(1, std::min(int(k), limit_) / share);
-        const int found = pyramid_.searches[level].nearest(centre, wanted, neighbours_.data(), squared_.data());
-        radius_ = std::sqrt(squared_[found - 1]);
-        fit_ = fit_quadric(pyramid_.levels[level], centre, neighbours_.data(), found, radius_);
-        count_ = found * share;
-        share_ = share;
+        std::size_t level;
+        int share, count;
+    };
+    Wanted wanted(double k) const
+    {
+        Wanted w{0, 1, 0};
+        for (double c = k; c > many && w.level + 1 < pyramid_.levels.size(); c /= Pyramid::step, w.share *= Pyramid::step)
+            ++w.level;
+        w.count = std::max(1, std::min(int(k), limit_) / w.share);
+        return w;
+    }
+
+    /// Makes the neighbours for `k` ready, and those for up to `largest` if they come from the same subsample.
+    void find_neighbours(const Point& centre, double k, double largest)
+    {
+        const Wanted now = wanted(k), later = wanted(largest);
+        if (found_ >= now.count && level_ == now.level && centre_ == centre)
+            return;
+        const int count = later.level == now.level ? later.count : now.count;
+        if (reach_ > 0) // of the search before, among neighbours of another number
+            reach_ *= std::sqrt(double(count * now.share) / reach_count_);
+        reach_count_ = count * now.share;
+        level_ = now.level;
+        centre_ = centre;
+        found_ = pyramid_.searches[level_].nearest(centre, count,
+                                                   neighbours_.data(), squared_.data(), reach_);
+    }
+
+    void measure(const Point& centre, double k, double largest)
+    {
+        find_neighbours(centre, k, largest);
+        const Wanted w = wanted(k);
+        const int count = std::min(w.count, found_);
+        radius_ = std::sqrt(squared_[count - 1]);
+        fit_ = fit_quadric(pyramid_.levels[level_], centre, neighbours_.data(), count, radius_);
+        count_ = count * w.share;
+        share_ = w.share;
     }
 
     const Pyramid& pyramid_;
@@ -261,6 +290,11 @@ private:
     QuadricFit fit_{};
     double radius_ = 0;
     int count_ = 0, share_ = 1;
+    Point centre_ = Point::Zero(); ///< Of the neighbours at hand.
+    std::size_t level_ = 0;
+    int found_ = 0;
+    double reach_ = 0; ///< Only saves time.
+    int reach_count_ = 1;
 };
 
 } // namespace

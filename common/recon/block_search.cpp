@@ -1,0 +1,230 @@
+#include <recon/block_search.h>
+
+#include <recon/vector_clones.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace recon
+{
+namespace
+{
+
+constexpr int fan = BlockSearch::fan;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int deepest = 256; // a path of 11 levels leaves at most 7 siblings on each
+
+/// A place in the tree: of level -1 a leaf.
+struct Node
+{
+    double squared; ///< To its box.
+    int level, index;
+};
+
+RECON_INLINE void measure_boxes(const BlockSearch::Box& box, const double* q, double* squared)
+{
+    for (int k = 0; k < fan; ++k)
+    {
+        double sum = 0;
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            const double below = box.low[axis][k] - q[axis], above = q[axis] - box.high[axis][k];
+            double d = below > above ? below : above;
+            d = d > 0 ? d : 0;
+            sum += d * d;
+        }
+        squared[k] = sum;
+    }
+}
+
+RECON_INLINE void measure_points(const BlockSearch::Leaf& leaf, const double* q, double* squared)
+{
+    for (int k = 0; k < fan; ++k)
+    {
+        const double x = leaf.p[0][k] - q[0], y = leaf.p[1][k] - q[1], z = leaf.p[2][k] - q[2];
+        squared[k] = x * x + y * y + z * z;
+    }
+}
+
+/// What the queries read.
+struct Tree
+{
+    const BlockSearch::Leaf* leaves;
+    const BlockSearch::Box* const* levels;
+    int level_count;
+};
+
+/// Calls visit(first index, squared distances of 8 points) for the leaves that come as near as `limit`, which the
+/// visitor may lower, in the order of the points.
+template <class Visit>
+RECON_INLINE void visit_leaves(const Tree& tree, const double* q, const double& limit, Visit&& visit)
+{
+    Node stack[deepest];
+    int depth = 0;
+    stack[depth++] = {0, tree.level_count - 1, 0};
+    while (depth > 0)
+    {
+        const Node node = stack[--depth];
+        if (node.squared > limit)
+            continue;
+        double d[fan];
+        if (node.level < 0)
+        {
+            measure_points(tree.leaves[node.index], q, d);
+            visit(node.index * fan, d);
+            continue;
+        }
+        measure_boxes(tree.levels[node.level][node.index], q, d);
+        for (int j = fan - 1; j >= 0; --j)
+        {
+            stack[depth] = {d[j], node.level - 1, node.index * fan + j};
+            depth += d[j] <= limit;
+        }
+    }
+}
+
+/// The square of a radius; finite, so that what fills up the last leaf stays out.
+double limit_of(double radius)
+{
+    return std::min(radius * radius, std::numeric_limits<double>::max());
+}
+
+struct Candidate
+{
+    double squared;
+    int index;
+    bool operator<(const Candidate& o) const
+    {
+        return squared < o.squared || (squared == o.squared && index < o.index);
+    }
+};
+
+RECON_VECTOR_CLONES
+void collect_candidates(const Tree& tree, const double* q, double limit, std::vector<Candidate>* candidates)
+{
+    visit_leaves(tree, q, limit,
+                 [&](int first, const double* d) RECON_INLINE_LAMBDA
+                 {
+                     Candidate found[fan];
+                     int count = 0;
+                     for (int j = 0; j < fan; ++j)
+                     {
+                         found[count] = {d[j], first + j};
+                         count += d[j] <= limit;
+                     }
+                     candidates->insert(candidates->end(), found, found + count);
+                 });
+}
+
+RECON_VECTOR_CLONES
+void collect_within(const Tree& tree, const double* q, double limit, std::vector<int>* indices)
+{
+    visit_leaves(tree, q, limit,
+                 [&](int first, const double* d) RECON_INLINE_LAMBDA
+                 {
+                     int found[fan], count = 0;
+                     for (int j = 0; j < fan; ++j)
+                     {
+                         found[count] = first + j;
+                         count += d[j] <= limit;
+                     }
+                     indices->insert(indices->end(), found, found + count);
+                 });
+}
+
+} // namespace
+
+BlockSearch::BlockSearch(const Points& points) : size_(points.size())
+{
+    if (size_ > 0)
+        spacing_ = std::max(bounding_box(points).diagonal() / std::sqrt(double(size_)), 1e-300);
+    // Entries beyond the last point are infinitely far: infinity - infinity never occurs, queries are finite.
+    leaves_.resize((size_ + fan - 1) / fan);
+    for (std::size_t i = 0; i < leaves_.size() * fan; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            leaves_[i / fan].p[axis][i % fan] = i < size_ ? points[i][axis] : infinity;
+    std::size_t below = leaves_.size();
+    while (below > 0)
+    {
+        std::vector<Box> level((below + fan - 1) / fan);
+        for (std::size_t i = 0; i < level.size() * fan; ++i)
+            for (int axis = 0; axis < 3; ++axis)
+            {
+                double low = infinity, high = -infinity;
+                if (i < below)
+                    for (int k = 0; k < fan; ++k)
+                    {
+                        if (levels_.empty())
+                        {
+                            if (i * fan + std::size_t(k) >= size_)
+                                continue;
+                            low = std::min(low, leaves_[i].p[axis][k]);
+                            high = std::max(high, leaves_[i].p[axis][k]);
+                        }
+                        else
+                        {
+                            low = std::min(low, levels_.back()[i].low[axis][k]);
+                            high = std::max(high, levels_.back()[i].high[axis][k]);
+                        }
+                    }
+                level[i / fan].low[axis][i % fan] = low;
+                level[i / fan].high[axis][i % fan] = high;
+            }
+        below = level.size() > 1 ? level.size() : 0;
+        levels_.push_back(std::move(level));
+    }
+    for (const auto& level : levels_)
+        level_starts_.push_back(level.data());
+}
+
+int BlockSearch::nearest(const Point& query, int k, int* indices, double* squared, double& reach) const
+{
+    k = int(std::min<std::size_t>(size_, std::size_t(std::max(k, 0))));
+    if (k == 0)
+        return 0;
+    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size())};
+    std::vector<Candidate> candidates;
+    candidates.reserve(std::size_t(3 * k));
+    double radius = reach > 0 ? reach : spacing_ * std::sqrt(double(k));
+    for (; int(candidates.size()) < k; radius *= 1.5)
+    {
+        candidates.clear();
+        collect_candidates(tree, query.data(), limit_of(radius), &candidates);
+    }
+    const auto last = candidates.begin() + k;
+    if (last != candidates.end())
+        std::nth_element(candidates.begin(), last - 1, candidates.end());
+    std::sort(candidates.begin(), last);
+    for (int i = 0; i < k; ++i)
+    {
+        indices[i] = candidates[i].index;
+        squared[i] = candidates[i].squared;
+    }
+    reach = 1.15 * std::sqrt(squared[k - 1]);
+    return k;
+}
+
+int BlockSearch::nearest(const Point& query, int k, int* indices, double* squared) const
+{
+    double reach = 0;
+    return nearest(query, k, indices, squared, reach);
+}
+
+int BlockSearch::nearest(const Point& query) const
+{
+    int index = -1;
+    double squared = 0;
+    return nearest(query, 1, &index, &squared) > 0 ? index : -1;
+}
+
+void BlockSearch::within(const Point& query, double radius, std::vector<int>& indices) const
+{
+    indices.clear();
+    if (size_ == 0)
+        return;
+    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size())};
+    collect_within(tree, query.data(), limit_of(radius), &indices);
+}
+
+} // namespace recon

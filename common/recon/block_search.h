@@ -1,0 +1,55 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Neighbour queries on points in spatial order (order_spatially(), or a subset of it): boxes around 8 consecutive
+/// points, around 8 such boxes and so on. Built in a twentieth of the time of NeighbourSearch; what lies within a
+/// radius is found in half the time, since 8 boxes or points are tested at once. In another order it is right but slow.
+/// Queries may run on many threads at once.
+class BlockSearch
+{
+public:
+    BlockSearch() = default; ///< Finds nothing.
+    /// Copies the points.
+    explicit BlockSearch(const Points& points);
+    BlockSearch(BlockSearch&&) noexcept = default;
+    BlockSearch& operator=(BlockSearch&&) noexcept = default;
+
+    /// Writes the min(k, size) nearest points to `indices` and their squared distances to `squared`, nearest first, of
+    /// equal ones the lowest index. Both arrays hold at least k entries. \param reach a guess of the distance of the
+    /// k-th, 0 for none; becomes a good one for a query nearby. Only the time depends on it. \returns how many there
+    /// are. \pre query is finite.
+    int nearest(const Point& query, int k, int* indices, double* squared, double& reach) const;
+    int nearest(const Point& query, int k, int* indices, double* squared) const;
+
+    /// Index of the nearest point, -1 if there are none.
+    int nearest(const Point& query) const;
+
+    /// Indices of all points within `radius` of `query`, ascending; replaces the content of `indices`.
+    void within(const Point& query, double radius, std::vector<int>& indices) const;
+
+    static constexpr int fan = 8;
+
+    struct Box
+    {
+        double low[3][fan], high[3][fan]; ///< Of the 8 children.
+    };
+    struct Leaf
+    {
+        double p[3][fan];
+    };
+
+private:
+    std::size_t size_ = 0;
+    double spacing_ = 0; ///< Some guess.
+    std::vector<Leaf> leaves_;
+    std::vector<std::vector<Box>> levels_; ///< levels_[0] over the leaves.
+    std::vector<const Box*> level_starts_; ///< Of levels_.
+};
+
+} // namespace recon

@@ -1,0 +1,110 @@
+#include <recon/block_search.h>
+#include <recon/spatial_order.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+using namespace recon;
+
+namespace
+{
+
+Points in_spatial_order(const Points& points)
+{
+    Points sorted;
+    for (const int i : order_spatially(points).order)
+        sorted.push_back(points[i]);
+    return sorted;
+}
+
+void compare_with_brute_force(const Points& points, const Points& queries, const std::string& what)
+{
+    const BlockSearch search(points);
+    for (const Point& query : queries)
+    {
+        std::vector<int> order(points.size());
+        std::iota(order.begin(), order.end(), 0);
+        const auto squared = [&](int i)
+        {
+            const Vector d = points[i] - query;
+            return d.x() * d.x() + d.y() * d.y() + d.z() * d.z();
+        };
+        std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return squared(a) < squared(b); });
+        for (const int k : {1, 7, 40})
+        {
+            std::vector<int> found(k, -1);
+            std::vector<double> distances(k);
+            for (double reach : {0.0, 1e-5, 100.0})
+            {
+                const int count = search.nearest(query, k, found.data(), distances.data(), reach);
+                ASSERT_EQ(count, std::min<int>(k, int(points.size()))) << what;
+                for (int i = 0; i < count; ++i)
+                    EXPECT_NEAR(distances[i], squared(order[i]), 1e-12 * (1 + squared(order[i]))) << what;
+                EXPECT_GE(reach, std::sqrt(distances[count - 1])) << what;
+            }
+        }
+        const int middle = order[order.size() / 2];
+        const double radius = std::sqrt(squared(middle)) * (1 + 1e-12);
+        std::vector<int> within, expected;
+        search.within(query, radius, within);
+        for (int i = 0; i < int(points.size()); ++i)
+            if (squared(i) <= radius * radius)
+                expected.push_back(i);
+        EXPECT_EQ(within, expected) << what;
+    }
+}
+
+} // namespace
+
+TEST(BlockSearch, AgreesWithBruteForce)
+{
+    const Points queries = shapes::with_noise(shapes::sphere(30, 1, 8).points, 0.3, 9);
+    for (const int n : {1, 7, 8, 9, 64, 65, 700, 5000})
+    {
+        const Points torus = shapes::torus(n, 1, 0.3, 7).points;
+        compare_with_brute_force(in_spatial_order(torus), queries, "sorted " + std::to_string(n));
+        compare_with_brute_force(torus, queries, "unsorted " + std::to_string(n));
+    }
+}
+
+TEST(BlockSearch, PutsEqualPointsInOrder)
+{
+    const BlockSearch search(Points(100, Point(1, 2, 3)));
+    int found[10];
+    double squared[10];
+    double reach = 0;
+    ASSERT_EQ(search.nearest(Point(0, 2, 3), 10, found, squared, reach), 10);
+    for (int k = 0; k < 10; ++k)
+    {
+        EXPECT_EQ(found[k], k);
+        EXPECT_EQ(squared[k], 1);
+    }
+}
+
+TEST(BlockSearch, HasNoNeighboursAmongNoPoints)
+{
+    const BlockSearch none, empty{Points{}};
+    for (const BlockSearch* search : {&none, &empty})
+    {
+        std::vector<int> within(3);
+        search->within(Point::Zero(), 1e300, within);
+        EXPECT_TRUE(within.empty());
+        within.resize(1);
+        double squared = 0, reach = 0;
+        EXPECT_EQ(search->nearest(Point::Zero(), 1, within.data(), &squared, reach), 0);
+    }
+}
+
+TEST(BlockSearch, FindsAllWithinAnEndlessRadius)
+{
+    const Points points = shapes::sphere(77, 1, 3).points;
+    std::vector<int> within;
+    BlockSearch(points).within(Point::Zero(), 1e300, within);
+    EXPECT_EQ(within.size(), points.size());
+}
