@@ -1,6 +1,7 @@
 #include "initial_fans.h"
 
-#include "ring.h"
+#include "crowded.h"
+#include "kernels.h"
 
 #include <recon/parallel.h>
 
@@ -12,25 +13,13 @@ namespace recon::pn
 namespace
 {
 
-PN_VECTOR_CLONES int make_fan(const LocalPoints& points, const Centre& c, const int* hits, int count, Ring& ring,
-                              int* fan)
-{
-    alignas(64) float badness[ring_capacity];
-    fill_ring(points, c, hits, count, ring);
-    project_geodesically(c, ring);
-    measure_badness<true>(ring, badness);
-    return sort_fan(ring, badness, fan);
-}
+constexpr double full_turn = 6.283185307179586;
+constexpr int most_nearest = 64;
 
-PN_VECTOR_CLONES void classify(const LocalPoints& points, const Centre& c, std::uint8_t* classes)
-{
-    classify_points(points, c, classes);
-}
-
-struct Fan
+struct FanOfSample
 {
     std::vector<int> members;
-    double farthest = 0, widest_gap = 6.2831853;
+    double farthest = 0, widest_gap = full_turn;
     int gap_from = -1;
 };
 
@@ -41,25 +30,25 @@ struct CreaseRule
 };
 
 /// The fan over the k nearest.
-Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k, const CreaseRule& rule,
-             double& reach, LocalPoints& local, Ring& ring)
+FanOfSample find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k,
+                     const CreaseRule& rule, double& reach, LocalPoints& local, Ring& ring)
 {
-    std::vector<int> nearest(static_cast<std::size_t>(k)), hits;
-    std::vector<std::uint8_t> classes;
-    std::vector<double> squared(static_cast<std::size_t>(k));
+    int nearest[most_nearest];
+    double squared[most_nearest];
+    std::int32_t hits[most_nearest + 2 * lane_count];
     const Point& p = samples.points[std::size_t(i)];
-    const int found = search.nearest(p, k, nearest.data(), squared.data());
-    reach = found > 0 ? std::sqrt(squared[std::size_t(found) - 1]) : 0;
-    Fan fan;
+    const int found = search.nearest(p, k, nearest, squared);
+    reach = found > 0 ? std::sqrt(squared[found - 1]) : 0;
+    FanOfSample fan;
     if (!(reach > 0))
         return fan;
-    local.clear();
-    local.reserve(128);
+    local.reserve(most_nearest);
+    local.count = 0;
     for (int m = 0; m < found; ++m)
     {
-        const Vector d = (samples.points[std::size_t(nearest[std::size_t(m)])] - p) / reach;
-        const Vector& n = samples.normals[std::size_t(nearest[std::size_t(m)])];
-        const auto at = std::size_t(local.count++);
+        const Vector d = (samples.points[std::size_t(nearest[m])] - p) / reach;
+        const Vector& n = samples.normals[std::size_t(nearest[m])];
+        const int at = local.count++;
         local.x[at] = float(d.x());
         local.y[at] = float(d.y());
         local.z[at] = float(d.z());
@@ -70,23 +59,21 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
     const Vector& n = samples.normals[std::size_t(i)];
     Centre c{0, 0, 0, {float(n.x()), float(n.y()), float(n.z())}, {}, {}, 1 / 1.00001f};
     set_tangents(c);
-    classes.resize(std::size_t(local.count) + lane_count);
-    classify(local, c, classes.data());
-    for (int m = 0; m < local.count; ++m)
-        if (classes[std::size_t(m)] == 1)
-            hits.push_back(m);
-    if (std::any_of(nearest.begin(), nearest.begin() + found,
-                    [&](int j) { return rule.is_crease[std::size_t(j)] != 0; }))
-        keep_side_of_crease(local, c, float(rule.least_agreement), hits);
-    int order[ring_capacity];
-    const int size = make_fan(local, c, hits.data(), int(hits.size()), ring, order);
+    local.pad(local.count);
+    int count = kernels().find_near(local, c, hits);
+    if (std::any_of(nearest, nearest + found, [&](int j) { return rule.is_crease[std::size_t(j)] != 0; }))
+        count = choose_hits(local, c, float(rule.least_agreement), true, hits, count);
+    Fan order;
+    kernels().make_fan(local, c, hits, count, true, ring, order);
+    const int size = order.count;
     fan.widest_gap = 0;
     for (int m = 0; m < size; ++m)
     {
-        const int a = order[m], b = order[m + 1 == size ? 0 : m + 1];
-        fan.members.push_back(nearest[std::size_t(ring.source[a])]);
+        const int a = order.entry[m];
+        fan.members.push_back(nearest[ring.source[a]]);
         fan.farthest = std::max(fan.farthest, ring.length[a] * 1.00001 * reach);
-        const double gap = turn_to_next(ring.angle[a], ring.angle[b], m + 1 == size);
+        const double gap =
+            m + 1 < size ? order.angle[m + 1] - order.angle[m] : order.angle[0] - order.angle[m] + full_turn;
         if (gap > fan.widest_gap)
         {
             fan.widest_gap = gap;
@@ -94,7 +81,7 @@ Fan find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int 
         }
     }
     if (size == 0)
-        fan.widest_gap = 6.2831853;
+        fan.widest_gap = full_turn;
     return fan;
 }
 
@@ -106,7 +93,7 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSea
 {
     const CreaseRule rule{is_crease, std::cos(crease_angle)};
     const int n = int(samples.points.size());
-    std::vector<Fan> fans(static_cast<std::size_t>(n));
+    std::vector<FanOfSample> fans(static_cast<std::size_t>(n));
     parallel_for(
         std::size_t(n), threads, progress,
         [&](std::size_t i)

@@ -1,5 +1,7 @@
 #include "level.h"
 
+#include "kernels.h"
+
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -14,16 +16,17 @@ void update_leaf(Leaf& leaf, const WorkPoint* points)
 {
     leaf.box = Box();
     leaf.largest_radius = 0;
-    leaf.is_refined = false;
+    leaf.is_refined = leaf.has_creases = false;
     for (int i = leaf.begin; i < leaf.end; ++i)
     {
         const WorkPoint& p = points[i];
         leaf.box.minimum = leaf.box.minimum.cwiseMin(p.position);
         leaf.box.maximum = leaf.box.maximum.cwiseMax(p.position);
+        leaf.has_creases |= (p.flags & WorkPoint::crease) != 0;
         // A point that is not refined reaches for nothing.
         if (p.flags & WorkPoint::refined)
         {
-            leaf.largest_radius = std::max(leaf.largest_radius, p.radius);
+            leaf.largest_radius = std::max(leaf.largest_radius, double(p.radius));
             leaf.is_refined = true;
         }
     }
@@ -55,17 +58,34 @@ void split(WorkPoint* points, int begin, int end, std::vector<Leaf>& leaves)
     split(points, middle, end, leaves);
 }
 
+/// Writes the leaf's points in single precision.
+void write_rows(Level& level, const Leaf& leaf)
+{
+    const Point centre = leaf.box.centre();
+    for (int i = leaf.begin; i < leaf.end; ++i)
+    {
+        const WorkPoint& p = level.points[std::size_t(i)];
+        const Vector d = p.position - centre;
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            level.rows[std::size_t(axis)][std::size_t(i)] = float(d[axis]);
+            level.rows[std::size_t(3 + axis)][std::size_t(i)] = float(p.normal[axis]);
+        }
+        level.rows[6][std::size_t(i)] = p.radius;
+    }
+}
+
+void resize_rows(Level& level)
+{
+    for (std::vector<float>& row : level.rows)
+        row.resize(level.points.size() + lane_count);
+}
+
 struct Node
 {
     Box box;
     double radius = 0;
 };
-
-/// Squared distance between two boxes.
-double box_distance2(const Box& a, const Box& b)
-{
-    return (a.minimum - b.maximum).cwiseMax(b.minimum - a.maximum).cwiseMax(0.0).squaredNorm();
-}
 
 /// Boxes of pairs, pairs of pairs and so on, over a sequence of leaves.
 class Pyramid
@@ -75,7 +95,8 @@ public:
     {
         rows_.emplace_back();
         for (const Leaf& leaf : leaves)
-            rows_[0].push_back({leaf.box, leaf.largest_radius});
+            // The slack hides the rounding of single precision.
+            rows_[0].push_back({leaf.box, leaf.largest_radius * (1 + 1e-4) + 1e-5 * leaf.box.diagonal()});
         while (rows_.back().size() > 1)
         {
             const std::vector<Node>& below = rows_.back();
@@ -102,8 +123,8 @@ private:
     void descend(int row, int i, int self, const Node& own, std::vector<int>& found) const
     {
         const Node& node = rows_[std::size_t(row)][std::size_t(i)];
-        const double reach = (own.radius + node.radius) * (1 + 1e-4); // hides the rounding of single precision
-        if (box_distance2(own.box, node.box) > reach * reach)
+        const double reach = own.radius + node.radius;
+        if (squared_distance(own.box, node.box) > reach * reach)
             return;
         if (row == 0)
         {
@@ -121,47 +142,87 @@ private:
 
 } // namespace
 
+double squared_distance(const Box& a, const Box& b)
+{
+    return (a.minimum - b.maximum).cwiseMax(b.minimum - a.maximum).cwiseMax(0.0).squaredNorm();
+}
+
+void LeafChildren::reserve(int n)
+{
+    n = padded(n);
+    if (n <= capacity_)
+        return;
+    std::unique_ptr<float[]> larger(new float[8 * std::size_t(n) + lane_count]); // whole vectors are read
+    for (std::size_t r = 0; r < 8; ++r)
+        std::copy_n(rows_.get() + r * std::size_t(capacity_), capacity_ > 0 ? corners_.size() : 0,
+                    larger.get() + r * std::size_t(n));
+    rows_ = std::move(larger);
+    capacity_ = n;
+    corners_.reserve(std::size_t(n));
+}
+
 Level make_level(std::vector<WorkPoint> points)
 {
     Level level;
     level.points = std::move(points);
+    resize_rows(level);
     if (!level.points.empty())
         split(level.points.data(), 0, int(level.points.size()), level.leaves);
+    for (const Leaf& leaf : level.leaves)
+        write_rows(level, leaf);
     return level;
 }
 
-Level grow_level(const Level& level, const std::vector<std::vector<Child>>& children,
-                 const std::vector<double>& next_radius, double target_radius, int threads, const Progress& progress)
+Level grow_level(const Level& level, const Growth& growth, const UnitFrame& frame, Point* points, Vector* normals,
+                 std::array<int, 3>* parents, int threads, const Progress& progress)
 {
     const std::size_t n = level.leaves.size();
-    std::vector<int> first(n + 1, 0);
-    for (std::size_t i = 0; i < n; ++i)
-        first[i + 1] = first[i] + level.leaves[i].size() + int(children[i].size());
+    const Kernels& kernel = kernels();
     Level next;
-    next.points.resize(std::size_t(first[n]));
+    next.points.resize(level.points.size() + std::size_t(growth.first[n]));
+    resize_rows(next);
     constexpr std::size_t grain = 64;
     std::vector<std::vector<Leaf>> parts((n + grain - 1) / grain);
+    const auto grow_leaf = [&](std::size_t i, std::vector<Leaf>& leaves)
+    {
+        const Leaf& leaf = level.leaves[i];
+        const LeafChildren& children = growth.children[i];
+        const int begin = leaf.begin + growth.first[i], middle = begin + leaf.size(), end = middle + children.count();
+        for (int j = leaf.begin; j < leaf.end; ++j)
+        {
+            WorkPoint& p = next.points[std::size_t(begin + j - leaf.begin)];
+            p = level.points[std::size_t(j)];
+            p.radius = growth.next_radius[std::size_t(j)];
+        }
+        WorkPoint* const made = next.points.data() + middle;
+        kernel.finish_children(level.points.data(), children.corners().data(), children.count(), made,
+                               parents + growth.first[i]);
+        for (const auto& [own, number] : children.made())
+            made[own] = growth.made[std::size_t(number)];
+        const float* radius = children.rows().radius;
+        for (int k = 0; k < children.count(); ++k)
+        {
+            made[k].radius = radius[k];
+            made[k].id = growth.first_id + growth.first[i] + k;
+            points[growth.first[i] + k] = frame.from_unit(made[k].position);
+            normals[growth.first[i] + k] = made[k].normal;
+        }
+        for (int j = begin; j < end; ++j)
+        {
+            WorkPoint& p = next.points[std::size_t(j)];
+            const bool goes_on = !(p.flags & WorkPoint::frozen) && double(p.radius) > growth.target_radius;
+            p.flags = goes_on ? (p.flags | WorkPoint::refined) : (p.flags & ~WorkPoint::refined);
+        }
+        const std::size_t before = leaves.size();
+        split(next.points.data(), begin, end, leaves);
+        for (std::size_t k = before; k < leaves.size(); ++k)
+            write_rows(next, leaves[k]);
+    };
     parallel_chunks(n, threads, grain, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
                         for (std::size_t i = begin; i < end; ++i)
-                        {
-                            const Leaf& leaf = level.leaves[i];
-                            WorkPoint* out = next.points.data() + first[i];
-                            for (int j = leaf.begin; j < leaf.end; ++j, ++out)
-                            {
-                                *out = level.points[std::size_t(j)];
-                                out->radius = next_radius[std::size_t(j)];
-                            }
-                            for (const Child& child : children[i])
-                                *out++ = child.point;
-                            for (WorkPoint* p = next.points.data() + first[i]; p != out; ++p)
-                            {
-                                const bool goes_on = !(p->flags & WorkPoint::frozen) && p->radius > target_radius;
-                                p->flags = goes_on ? (p->flags | WorkPoint::refined) : (p->flags & ~WorkPoint::refined);
-                            }
-                            split(next.points.data(), first[i], first[i + 1], parts[begin / grain]);
-                        }
+                            grow_leaf(i, parts[begin / grain]);
                     });
     for (const std::vector<Leaf>& part : parts)
         next.leaves.insert(next.leaves.end(), part.begin(), part.end());

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace recon::pn
@@ -15,7 +16,7 @@ struct WorkPoint
 {
     Point position;
     Vector normal;
-    double radius = 0;
+    float radius = 0;
     int id = 0; ///< Place in the output.
     enum Flag : std::uint32_t
     {
@@ -26,26 +27,28 @@ struct WorkPoint
     std::uint32_t flags = refined;
 };
 
-/// A new point with the points it was made from.
-struct Child
-{
-    WorkPoint point;
-    std::array<int, 3> parents; ///< Ids.
-    double largest_radius = 0;  ///< Its radius may not be raised above this.
-};
-
 /// Up to leaf_capacity points next to each other in space and in memory: what one task refines.
 struct Leaf
 {
     int begin = 0, end = 0;
     Box box;
     double largest_radius = 0;
-    bool is_refined = false; ///< Holds points to refine.
+    bool is_refined = false;  ///< Holds points to refine.
+    bool has_creases = false; ///< Holds points that share their position with others.
 
     int size() const { return end - begin; }
 };
 
 constexpr int leaf_capacity = 48;
+
+/// Points as rows of single-precision numbers, relative to the centre of their leaf's box. Whole vectors may be read
+/// beyond the last.
+struct RowsView
+{
+    const float *x, *y, *z, *nx, *ny, *nz, *radius;
+    const float* largest_radius; ///< What it may be raised to; may be null.
+    int count;
+};
 
 /// All points of one level as a sequence of leaves in the order of a kd-tree, so that neighbours in the sequence are
 /// mostly neighbours in space.
@@ -53,16 +56,76 @@ struct Level
 {
     std::vector<WorkPoint> points;
     std::vector<Leaf> leaves;
+    std::array<std::vector<float>, 7> rows; ///< Of the points, as in RowsView.
+
+    RowsView rows_of(const Leaf& leaf) const
+    {
+        const auto at = [&](std::size_t r) { return rows[r].data() + leaf.begin; };
+        return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), nullptr, leaf.size()};
+    }
+};
+
+/// Points inserted while the points of a leaf are refined. What neighbours need to know of them is kept in single
+/// precision, relative to the centre of the leaf's box; they are made in double at the end of the step.
+class LeafChildren
+{
+public:
+    /// x, y, z, nx, ny, nz, radius, largest radius.
+    using Row = std::array<float, 8>;
+
+    int count() const { return int(corners_.size()); }
+    void reserve(int n);
+    /// Centre of the PN triangle of three points of the level, given by their places.
+    void append(const std::array<int, 3>& corners, const Row& row)
+    {
+        if (count() == capacity_)
+            reserve(count() + count() / 2 + 16);
+        for (std::size_t r = 0; r < 8; ++r)
+            rows_[r * std::size_t(capacity_) + corners_.size()] = row[r];
+        corners_.push_back(corners);
+    }
+    /// A point that is made already, number `made` of Growth::made; `corners` are the points it comes from.
+    void append_made(int made, const std::array<int, 3>& corners, const Row& row)
+    {
+        made_.push_back({count(), made});
+        append(corners, row);
+    }
+
+    RowsView rows() const
+    {
+        const auto at = [&](std::size_t r) { return rows_.get() + r * std::size_t(capacity_); };
+        return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), count()};
+    }
+    float& radius(int i) { return rows_[6 * std::size_t(capacity_) + std::size_t(i)]; }
+    const std::vector<std::array<int, 3>>& corners() const { return corners_; }
+    const std::vector<std::array<int, 2>>& made() const { return made_; } ///< (Own index, number).
+
+private:
+    int capacity_ = 0;
+    std::unique_ptr<float[]> rows_;
+    std::vector<std::array<int, 3>> corners_;
+    std::vector<std::array<int, 2>> made_;
 };
 
 /// Sorts points into leaves.
 Level make_level(std::vector<WorkPoint> points);
 
-/// The next level: each leaf's points and then its children, split where they are too many. Radii are taken from
-/// `next_radius` (one per point of `level`); points with a radius at most `target_radius` are no longer refined. The
-/// children must have their ids.
-Level grow_level(const Level& level, const std::vector<std::vector<Child>>& children,
-                 const std::vector<double>& next_radius, double target_radius, int threads, const Progress& progress);
+/// What a step adds to a level.
+struct Growth
+{
+    const std::vector<LeafChildren>& children;
+    const std::vector<WorkPoint>& made;    ///< Points made already.
+    const std::vector<int>& first;         ///< Per leaf: children of those before it; and their number.
+    const std::vector<float>& next_radius; ///< Per point of the level.
+    int first_id;                          ///< Of the first child.
+    double target_radius;                  ///< Points with a radius at most this are no longer refined.
+};
+
+/// The next level: each leaf's points and then its children, split where they are too many. Positions (in the frame's
+/// input units), normals and the ids of the parents of the children go to the arrays as well, in the order of their
+/// ids.
+Level grow_level(const Level& level, const Growth& growth, const UnitFrame& frame, Point* points, Vector* normals,
+                 std::array<int, 3>* parents, int threads, const Progress& progress);
 
 /// Leaves whose refinement may touch the same points: those whose boxes, grown by their largest radii, meet. Leaves of
 /// one colour do not, so they can be refined side by side.
@@ -72,6 +135,9 @@ struct LeafGraph
     std::vector<std::vector<int>> colours; ///< Leaves with points to refine, ascending in each.
 };
 LeafGraph connect_leaves(const Level& level, int threads, const Progress& progress);
+
+/// Squared distance between two boxes, 0 if they meet.
+double squared_distance(const Box& a, const Box& b);
 
 /// Position in level.points of each id below `ids`, -1 for none.
 std::vector<int> places_of_ids(const Level& level, int ids);

@@ -228,11 +228,12 @@ private:
             WorkPoint& p = points[i];
             p.position = usable.samples.points[i];
             p.normal = usable.samples.normals[i];
-            p.radius = radii[i];
+            p.radius = float(radii[i]);
             p.id = usable.input[i];
             const bool is_frozen =
                 usable.input[i] < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(usable.input[i])];
-            p.flags = is_frozen ? WorkPoint::frozen : (p.radius > target && p.radius > 0 ? WorkPoint::refined : 0u);
+            p.flags =
+                is_frozen ? WorkPoint::frozen : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
                 p.flags |= WorkPoint::crease;
         }
@@ -246,8 +247,9 @@ private:
         const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name));
         if (graph.colours.empty())
             return false;
-        std::vector<std::vector<Child>> children(level_.leaves.size());
-        std::vector<double> next_radius(level_.points.size(), 0.0);
+        std::vector<LeafChildren> children(level_.leaves.size());
+        std::vector<WorkPoint> on_segments;
+        std::vector<float> next_radius(level_.points.size(), 0.f);
         std::vector<int> open_gaps(level_.leaves.size(), 0);
         for (std::size_t i = 0; i < level_.points.size(); ++i)
             if (!(level_.points[i].flags & WorkPoint::refined))
@@ -258,7 +260,7 @@ private:
         const bool is_odd = result_.steps.size() % 2 == 0;
         std::vector<InsertedThirds> thirds;
         if (is_odd)
-            thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), children);
+            thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), children, on_segments);
         const RefineStep step{level_,
                               graph,
                               choose_precision(options_),
@@ -280,7 +282,7 @@ private:
         times.begin("grow");
         std::vector<int> first(children.size() + 1, 0);
         for (std::size_t i = 0; i < children.size(); ++i)
-            first[i + 1] = first[i] + int(children[i].size());
+            first[i + 1] = first[i] + children[i].count();
         const int made = first.back();
         const int before = input_count_ + int(result_.points.size());
         if (double(before) + made > options_.max_points)
@@ -290,38 +292,19 @@ private:
                                        std::to_string(options_.max_points) + ").");
             return false;
         }
-        append(children, first, made, before);
         if (is_odd)
-            segments_ = divide_segments(segments_, thirds, children);
-        level_ = grow_level(level_, children, next_radius, options_.target_radius / frame_.scale(), threads_,
-                            progress.part(0.9, 1, progress_name));
-        describe_step(before + made, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
-        times.end();
-        return made > 0;
-    }
-
-    /// Gives the children their ids and lists them in the result.
-    void append(std::vector<std::vector<Child>>& children, const std::vector<int>& first, int made, int before)
-    {
+            segments_ = divide_segments(segments_, thirds, first, before);
         const std::size_t old = result_.points.size();
         result_.points.resize(old + std::size_t(made));
         result_.normals.resize(old + std::size_t(made));
         result_.parents.resize(old + std::size_t(made));
-        parallel_for(
-            children.size(), threads_, {},
-            [&](std::size_t i)
-            {
-                for (std::size_t k = 0; k < children[i].size(); ++k)
-                {
-                    Child& child = children[i][k];
-                    const std::size_t place = std::size_t(first[i]) + k;
-                    child.point.id = before + int(place);
-                    result_.points[old + place] = frame_.from_unit(child.point.position);
-                    result_.normals[old + place] = child.point.normal;
-                    result_.parents[old + place] = child.parents;
-                }
-            },
-            256);
+        level_ = grow_level(
+            level_, {children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale()},
+            frame_, result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old, threads_,
+            progress.part(0.9, 1, progress_name));
+        describe_step(before + made, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
+        times.end();
+        return made > 0;
     }
 
     void describe_step(int points, int open_gaps)
@@ -332,7 +315,7 @@ private:
         std::vector<float> radii;
         radii.reserve(level_.points.size());
         for (const WorkPoint& p : level_.points)
-            radii.push_back(float(p.radius));
+            radii.push_back(p.radius);
         const auto middle = radii.begin() + std::ptrdiff_t(radii.size() / 2);
         std::nth_element(radii.begin(), middle, radii.end());
         s.median_radius = *middle * frame_.scale();

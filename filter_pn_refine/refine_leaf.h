@@ -9,8 +9,8 @@ namespace recon::pn
 enum class Precision
 {
     automatic,
-    fast,  ///< The four shortcuts of section 7.
-    fuzzy, ///< Fuzzy planes in space, but curved angles and displaced candidates.
+    fast,  ///< Euclidean distances and angles, fuzzy planes in space (section 7).
+    fuzzy, ///< Fuzzy planes in space, but curved angles.
     accurate
 };
 
@@ -20,11 +20,11 @@ struct RefineStep
     const Level& level;
     const LeafGraph& graph;
     Precision precision = Precision::automatic;
-    float least_crease_agreement = 0;          ///< Cosine of the crease angle: of normals near creases.
-    float boundary_angle = 0;                  ///< [radians]
-    std::vector<std::vector<Child>>& children; ///< Per leaf.
-    std::vector<double>& next_radius;          ///< Per point of the level: raised.
-    std::vector<int>& open_gaps;               ///< Per leaf: points whose neighbourhood stayed open.
+    float least_crease_agreement = 0;    ///< Cosine of the crease angle: of normals near creases.
+    float boundary_angle = 0;            ///< [radians]
+    std::vector<LeafChildren>& children; ///< Per leaf.
+    std::vector<float>& next_radius;     ///< Per point of the level: raised.
+    std::vector<int>& open_gaps;         ///< Per leaf: points whose neighbourhood stayed open.
 };
 
 /// Completes the neighbourhoods of the leaf's points (section 5). Touches only the children of this leaf and radii of

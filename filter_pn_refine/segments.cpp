@@ -153,7 +153,7 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
 }
 
 std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
-                                          std::vector<std::vector<Child>>& children)
+                                          std::vector<LeafChildren>& children, std::vector<WorkPoint>& made)
 {
     std::vector<InsertedThirds> inserted(segments.size());
     if (segments.empty())
@@ -176,7 +176,7 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
         const bool is_crease = segment.sides == 2;
         const Vector chord = b[0]->position - a[0]->position;
         // Short already against what lies around it: its turn comes when the rest has become as dense.
-        if (!is_crease && chord.norm() < 0.25 * std::min(a[0]->radius, b[0]->radius))
+        if (!is_crease && chord.norm() < 0.25 * double(std::min(a[0]->radius, b[0]->radius)))
             continue;
         const std::size_t other = is_crease ? 1 : 0;
         const Vector ta = end_tangent(chord, a[0]->normal, a[other]->normal, is_crease);
@@ -192,17 +192,21 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
             for (std::size_t side = 0; side < std::size_t(segment.sides); ++side)
             {
                 const WorkPoint &nearer = third == 0 ? *a[side] : *b[side], &farther = third == 0 ? *b[side] : *a[side];
-                Child child;
-                child.point.position = a[0]->position + from_a;
-                child.point.normal = normal_on_curve(nearer.normal, farther.normal, tangent);
-                child.point.radius = 0.5 * chord.norm();
-                child.largest_radius = 0.9 * nearer.radius;
-                child.point.flags = WorkPoint::refined | (is_crease ? WorkPoint::crease : 0u);
-                child.parents = {nearer.id, nearer.id, farther.id};
-                const int leaf = leaf_of_place(level, third == 0 ? at_a[side] : at_b[side]);
-                std::vector<Child>& list = children[std::size_t(leaf)];
-                done.place[third][side] = {leaf, int(list.size())};
-                list.push_back(child);
+                WorkPoint p;
+                p.position = a[0]->position + from_a;
+                p.normal = normal_on_curve(nearer.normal, farther.normal, tangent);
+                p.radius = float(0.5 * chord.norm());
+                p.flags = WorkPoint::refined | (is_crease ? WorkPoint::crease : 0u);
+                const int place = third == 0 ? at_a[side] : at_b[side],
+                          other_end = third == 0 ? at_b[side] : at_a[side];
+                const int leaf = leaf_of_place(level, place);
+                const Vector d = p.position - level.leaves[std::size_t(leaf)].box.centre();
+                LeafChildren& list = children[std::size_t(leaf)];
+                done.place[third][side] = {leaf, list.count()};
+                list.append_made(int(made.size()), {place, place, other_end},
+                                 {float(d.x()), float(d.y()), float(d.z()), float(p.normal.x()), float(p.normal.y()),
+                                  float(p.normal.z()), p.radius, 0.9f * nearer.radius});
+                made.push_back(p);
             }
         }
     }
@@ -210,7 +214,7 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
 }
 
 std::vector<Segment> divide_segments(const std::vector<Segment>& segments, const std::vector<InsertedThirds>& inserted,
-                                     const std::vector<std::vector<Child>>& children)
+                                     const std::vector<int>& first, int first_id)
 {
     std::vector<Segment> divided;
     divided.reserve(3 * segments.size());
@@ -227,7 +231,7 @@ std::vector<Segment> divide_segments(const std::vector<Segment>& segments, const
             for (std::size_t side = 0; side < std::size_t(segment.sides); ++side)
             {
                 const auto [leaf, index] = inserted[s].place[third][side];
-                ids[third][side] = children[std::size_t(leaf)][std::size_t(index)].point.id;
+                ids[third][side] = first_id + first[std::size_t(leaf)] + index;
             }
         divided.push_back({segment.a, ids[0], segment.sides});
         divided.push_back({ids[0], ids[1], segment.sides});

@@ -33,10 +33,11 @@ struct InsertedThirds
 /// Inserts two points (on creases two pairs) on each segment whose ends are still refined, at the thirds of its cubic
 /// curve, as children of the leaves that hold its ends.
 std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
-                                          std::vector<std::vector<Child>>& children);
+                                          std::vector<LeafChildren>& children, std::vector<WorkPoint>& made);
 
-/// Replaces every segment that has been divided by its three parts. The children must have their ids.
+/// Replaces every segment that has been divided by its three parts. The child k of leaf i has the id
+/// first_id + first[i] + k.
 std::vector<Segment> divide_segments(const std::vector<Segment>& segments, const std::vector<InsertedThirds>& inserted,
-                                     const std::vector<std::vector<Child>>& children);
+                                     const std::vector<int>& first, int first_id);
 
 } // namespace recon::pn

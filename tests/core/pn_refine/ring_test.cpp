@@ -1,5 +1,5 @@
 #include "filter_pn_refine/initial_fans.h"
-#include "filter_pn_refine/ring.h"
+#include "filter_pn_refine/kernels.h"
 
 #include "tests/shapes.h"
 
@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace
@@ -15,47 +16,42 @@ namespace
 using namespace recon;
 using namespace recon::pn;
 
-/// Fan of sample i among those within `radius`; in space or on the geodesic projection.
-std::set<int> neighbours_of(const OrientedSamples& samples, int i, double radius, bool accurate)
+/// The ring and the fan of sample i among those within `radius`; in space or on the geodesic projection.
+void make_fan(const Kernels& kernel, const OrientedSamples& samples, int i, double radius, bool accurate, Ring& ring,
+              Fan& fan)
 {
-    static LocalPoints local;
-    local.clear();
-    local.reserve(int(samples.points.size()));
-    for (std::size_t j = 0; j < samples.points.size(); ++j)
+    const int n = int(samples.points.size());
+    LocalPoints local;
+    local.reserve(n);
+    for (int j = 0; j < n; ++j)
     {
-        local.x[j] = float(samples.points[j].x());
-        local.y[j] = float(samples.points[j].y());
-        local.z[j] = float(samples.points[j].z());
-        local.nx[j] = float(samples.normals[j].x());
-        local.ny[j] = float(samples.normals[j].y());
-        local.nz[j] = float(samples.normals[j].z());
+        const Point& p = samples.points[std::size_t(j)];
+        const Vector& normal = samples.normals[std::size_t(j)];
+        local.x[j] = float(p.x());
+        local.y[j] = float(p.y());
+        local.z[j] = float(p.z());
+        local.nx[j] = float(normal.x());
+        local.ny[j] = float(normal.y());
+        local.nz[j] = float(normal.z());
     }
-    local.count = int(samples.points.size());
-    const auto at = std::size_t(i);
-    Centre c{local.x[at], local.y[at], local.z[at],      {local.nx[at], local.ny[at], local.nz[at]},
-             {},          {},          float(1 / radius)};
+    local.count = n;
+    local.pad(n);
+    Centre c{local.x[i], local.y[i], local.z[i], {local.nx[i], local.ny[i], local.nz[i]}, {}, {}, float(1 / radius)};
     set_tangents(c);
-    std::vector<std::uint8_t> classes(samples.points.size() + lane_count);
-    std::vector<int> hits;
-    classify_points(local, c, classes.data());
-    for (std::size_t j = 0; j < samples.points.size(); ++j)
-        if (classes[j] == 1)
-            hits.push_back(int(j));
+    std::vector<std::int32_t> hits(samples.points.size() + 2 * lane_count);
+    const int found = kernel.find_near(local, c, hits.data());
+    kernel.make_fan(local, c, hits.data(), found, accurate, ring, fan);
+}
+
+std::set<int> neighbours_of(const OrientedSamples& samples, int i, double radius, bool accurate,
+                            const Kernels& kernel = kernels())
+{
     Ring ring;
-    float badness[ring_capacity];
-    int fan[ring_capacity];
-    fill_ring(local, c, hits.data(), int(hits.size()), ring);
-    if (accurate)
-    {
-        project_geodesically(c, ring);
-        measure_badness<true>(ring, badness);
-    }
-    else
-        measure_badness<false>(ring, badness);
-    const int size = sort_fan(ring, badness, fan);
+    Fan fan;
+    make_fan(kernel, samples, i, radius, accurate, ring, fan);
     std::set<int> result;
-    for (int k = 0; k < size; ++k)
-        result.insert(ring.source[fan[k]]);
+    for (int k = 0; k < fan.count; ++k)
+        result.insert(ring.source[fan.entry[k]]);
     return result;
 }
 
@@ -138,13 +134,66 @@ TEST(Ring, AccurateNeighbourhoodOfAGridPointIsItsNearest)
         EXPECT_EQ(fan.count(beyond), 0u);
 }
 
-TEST(Ring, FastAngleIsAtan2)
+TEST(Ring, FansAreSortedByTheAngleInTheTangentPlane)
 {
-    for (int i = 0; i < 1000; ++i)
+    // A centre and directions all around it, in the order of no angle; lengths differ so that all are neighbours.
+    OrientedSamples star;
+    star.points.emplace_back(0, 0, 0);
+    for (int i = 0; i < 13; ++i)
     {
-        const double a = -3.14 + 6.28 * i / 1000;
-        EXPECT_NEAR(fast_angle(float(2.5 * std::cos(a)), float(2.5 * std::sin(a))), a, 4e-5);
+        const double a = 2 * M_PI * (5 * i % 13) / 13;
+        star.points.emplace_back(std::cos(a), std::sin(a), 0);
     }
+    star.normals.assign(star.points.size(), Vector::UnitZ());
+    for (const Kernels* kernel : all_kernels())
+    {
+        Ring ring;
+        Fan fan;
+        make_fan(*kernel, star, 0, 1.5, false, ring, fan);
+        ASSERT_EQ(fan.count, 13) << kernel->instructions;
+        for (int k = 0; k < fan.count; ++k)
+        {
+            const int e = fan.entry[k];
+            EXPECT_NEAR(fan.angle[k], std::atan2(ring.v[e], ring.u[e]), 4e-5) << kernel->instructions;
+            EXPECT_LE(fan.angle[std::max(k - 1, 0)], fan.angle[k]) << kernel->instructions;
+        }
+    }
+}
+
+TEST(Ring, MoreNeighboursThanAVectorHoldsKeepOneInEachSector)
+{
+    OrientedSamples star;
+    star.points.emplace_back(0, 0, 0);
+    for (int i = 0; i < 60; ++i)
+        star.points.emplace_back(std::cos(0.1 + 2 * M_PI * i / 60), std::sin(0.1 + 2 * M_PI * i / 60), 0);
+    star.normals.assign(star.points.size(), Vector::UnitZ());
+    for (const Kernels* kernel : all_kernels())
+    {
+        Ring ring;
+        Fan fan;
+        make_fan(*kernel, star, 0, 1.5, false, ring, fan);
+        EXPECT_EQ(ring.count, 60) << kernel->instructions;
+        ASSERT_EQ(fan.count, lane_count) << kernel->instructions;
+        for (int k = 1; k < fan.count; ++k)
+            EXPECT_LT(fan.angle[k] - fan.angle[k - 1], 4 * M_PI / lane_count) << kernel->instructions;
+    }
+}
+
+TEST(Ring, EveryInstructionSetFindsTheSameNeighbours)
+{
+    const OrientedSamples samples = shapes::torus(900, 1, 0.4, 5);
+    for (const bool accurate : {false, true})
+        for (const double radius : {0.2, 0.35, 0.5}) // the last with several vectors in a ring
+        {
+            int differing = 0;
+            for (int i = 0; i < 900; ++i)
+            {
+                const std::set<int> expected = neighbours_of(samples, i, radius, accurate, *all_kernels().front());
+                for (const Kernels* kernel : all_kernels())
+                    differing += neighbours_of(samples, i, radius, accurate, *kernel) != expected;
+            }
+            EXPECT_LE(differing, 9) << radius; // rounding at the threshold
+        }
 }
 
 TEST(InitialFans, RadiusReachesTheFanAndThoseWhoseFanHoldsThePoint)

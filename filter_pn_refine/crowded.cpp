@@ -1,0 +1,114 @@
+#include "crowded.h"
+
+#include "workspace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace recon::pn
+{
+namespace
+{
+
+struct Offset
+{
+    float x, y, z, squared;
+};
+Offset offset(const LocalPoints& points, const Centre& c, int j)
+{
+    const float x = points.x[j] - c.x, y = points.y[j] - c.y, z = points.z[j] - c.z;
+    return {x, y, z, x * x + y * y + z * z};
+}
+
+int thin_hits(const LocalPoints& points, const Centre& c, std::int32_t* hits, int count)
+{
+    constexpr int sectors = 24, each = largest_ring / sectors;
+    int best[sectors][each];
+    float distance[sectors][each];
+    int filled[sectors] = {};
+    for (int k = 0; k < count; ++k)
+    {
+        const Offset d = offset(points, c, hits[k]);
+        const float u = d.x * c.e1[0] + d.y * c.e1[1] + d.z * c.e1[2],
+                    v = d.x * c.e2[0] + d.y * c.e2[1] + d.z * c.e2[2];
+        const int s = std::clamp(int((std::atan2(v, u) + 3.14159265f) * (sectors / 6.2831853f)), 0, sectors - 1);
+        int place = filled[s] < each ? filled[s]++ : each;
+        if (place == each)
+        {
+            if (d.squared >= distance[s][each - 1])
+                continue;
+            place = each - 1;
+        }
+        for (; place > 0 && distance[s][place - 1] > d.squared; --place)
+        {
+            distance[s][place] = distance[s][place - 1];
+            best[s][place] = best[s][place - 1];
+        }
+        distance[s][place] = d.squared;
+        best[s][place] = hits[k];
+    }
+    int kept = 0;
+    for (int s = 0; s < sectors; ++s)
+        for (int m = 0; m < filled[s]; ++m)
+            hits[kept++] = best[s][m];
+    return kept;
+}
+
+float agreement(const LocalPoints& points, int i, int j)
+{
+    return points.nx[i] * points.nx[j] + points.ny[i] * points.ny[j] + points.nz[i] * points.nz[j];
+}
+
+/// Whether hits lie on the centre's side of a crease: their normals agree enough and, at a crease point, not more with
+/// another normal of that point.
+class CreaseSide
+{
+public:
+    CreaseSide(const LocalPoints& points, const Centre& c, float least) : points_(points), c_(c), least_(least)
+    {
+        const float same = 1e-12f / (c.inverse_radius * c.inverse_radius);
+        for (int j = 0; j < points.count; ++j)
+            if (offset(points, c, j).squared <= same)
+                twins_.push_back(j);
+    }
+    bool holds(int j) const
+    {
+        const float own = c_.n[0] * points_.nx[j] + c_.n[1] * points_.ny[j] + c_.n[2] * points_.nz[j];
+        return own >= least_ && std::all_of(twins_.begin(), twins_.end(),
+                                            [&](int t) { return agreement(points_, t, j) <= own + 1e-5f; });
+    }
+
+private:
+    const LocalPoints& points_;
+    const Centre& c_;
+    float least_;
+    std::vector<int> twins_;
+};
+
+} // namespace
+
+int choose_hits(const LocalPoints& points, const Centre& c, float least_crease_agreement, bool has_creases,
+                std::int32_t* hits, int count)
+{
+    if (has_creases)
+    {
+        const CreaseSide side(points, c, least_crease_agreement);
+        count = int(std::remove_if(hits, hits + count, [&](int j) { return !side.holds(j); }) - hits);
+    }
+    return count > largest_ring ? thin_hits(points, c, hits, count) : count;
+}
+
+void reject_other_side(Workspace& w, const Centre& c, float least_crease_agreement, float least_distance)
+{
+    const CreaseSide side(w.new_points, c, least_crease_agreement);
+    Arrivals& a = w.arrivals;
+    for (int k = 0; k < a.count; ++k)
+        if (!side.holds(a.source[k]))
+        {
+            a.free[k / lane_count] &= ~(1u << k % lane_count);
+            a.reach[k] = least_distance;
+        }
+}
+
+} // namespace recon::pn

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "local_points.h"
+
+/// What rings need seldom: where points crowd, and near creases.
+namespace recon::pn
+{
+
+struct Workspace;
+
+/// Keeps of too many hits those around: the four nearest in each of 24 sectors, also where a radius reaches across a
+/// hole. Near creases only what lies on the centre's side. \returns how many are kept.
+int choose_hits(const LocalPoints& points, const Centre& c, float least_crease_agreement, bool has_creases,
+                std::int32_t* hits, int count);
+
+/// New points on the other side of a crease still keep others at a distance, but join nothing.
+void reject_other_side(Workspace& w, const Centre& c, float least_crease_agreement, float least_distance);
+
+} // namespace recon::pn

@@ -1,0 +1,562 @@
+// Refinement of the points of one leaf (section 5). No include guard: see lanes.h.
+
+/// Appends those of a leaf's points that lie within 1 of the box; `offset` leads from the rows' origin to the box's
+/// centre.
+PN_INLINE void gather_rows(const RowsView& from, int leaf, int first_index, float scale, const float* offset,
+                           const float* half_box, bool takes_all, LocalPoints& to)
+{
+    to.reserve(to.count + from.count);
+    for (int k = 0; k < from.count; k += lane_count)
+    {
+        const Floats x = load<Floats>(from.x + k) * scale + offset[0], y = load<Floats>(from.y + k) * scale + offset[1],
+                     z = load<Floats>(from.z + k) * scale + offset[2];
+        const Floats dx = larger(absolute(x) - half_box[0], Floats{}), dy = larger(absolute(y) - half_box[1], Floats{}),
+                     dz = larger(absolute(z) - half_box[2], Floats{});
+        Mask taken = first_lanes(from.count - k);
+        if (!takes_all)
+            taken &= at_most(dx * dx + dy * dy + dz * dz, all(1 + 1e-5f));
+        if (taken == 0)
+            continue;
+        const int n = to.count;
+        const Floats radius = load_lanes(from.radius + k, taken) * scale;
+        store(to.x + n, compress(taken, x));
+        store(to.y + n, compress(taken, y));
+        store(to.z + n, compress(taken, z));
+        store(to.nx + n, compress(taken, load<Floats>(from.nx + k)));
+        store(to.ny + n, compress(taken, load<Floats>(from.ny + k)));
+        store(to.nz + n, compress(taken, load<Floats>(from.nz + k)));
+        store(to.radius + n, compress(taken, radius));
+        store(to.largest_radius + n, from.largest_radius != nullptr
+                                         ? compress(taken, load<Floats>(from.largest_radius + k) * scale)
+                                         : compress(taken, radius * LocalRules::shrink));
+        store(to.leaf + n, all(leaf));
+        store(to.index + n, compress(taken, lane_numbers + (first_index + k)));
+        to.count += count_of(taken);
+    }
+}
+
+/// A PN tangent: the third of the edge turned into the plane of n.
+PN_INLINE void add_tangent(Floats ex, Floats ey, Floats ez, Floats nx, Floats ny, Floats nz, Floats& x, Floats& y,
+                           Floats& z)
+{
+    const Floats d2 = ex * ex + ey * ey + ez * ez, s = ex * nx + ey * ny + ez * nz;
+    const Floats flat = larger(d2 - s * s, 1e-6f * d2 + 1e-30f);
+    const Floats g = root(d2) * inverse_root(flat) * (1.f / 3);
+    x += (ex - s * nx) * g;
+    y += (ey - s * ny) * g;
+    z += (ez - s * nz) * g;
+}
+
+struct PointRefiner
+{
+    const RefineStep& step;
+    Workspace& w;
+    LeafChildren& children;
+    int leaf;
+    float least_distance = 0;                ///< To any point [radii].
+    static constexpr float hair = 1 + 1e-5f; ///< Comparisons are closed.
+
+    /// Centres of the triangles of the fan; none across a gap of half a turn or more, none from slivers, none out of
+    /// reach. \returns the fan's widest gap.
+    PN_INLINE float list_candidates(const Centre& c, const Ring& ring, const Fan& fan, Candidates& out) const
+    {
+        const int n = fan.count;
+        out.usable = 0;
+        if (n < 2)
+            return 6.28318531f;
+        const Ints entry = load<Ints>(fan.entry), next = successors(n);
+        const bool is_single = ring.count <= lane_count;
+        const auto pick = [&](const float* values) {
+            return is_single ? permute(load<Floats>(values), entry)
+                             : gather(values, select(first_lanes(n), entry, Ints{}));
+        };
+        const Floats angle = load<Floats>(fan.angle);
+        const Floats turn = permute(angle, next) - angle + select(1u << (n - 1), all(6.28318531f), Floats{});
+        const Floats ax = pick(ring.x), ay = pick(ring.y), az = pick(ring.z), length = pick(ring.length);
+        const Floats anx = pick(ring.nx), any = pick(ring.ny), anz = pick(ring.nz);
+        const Floats atx = pick(ring.tx), aty = pick(ring.ty), atz = pick(ring.tz);
+        const Floats bx = permute(ax, next), by = permute(ay, next), bz = permute(az, next);
+        const Floats bnx = permute(anx, next), bny = permute(any, next), bnz = permute(anz, next);
+        const Floats ex = bx - ax, ey = by - ay, ez = bz - az;
+        const Floats cx = ay * bz - az * by, cy = az * bx - ax * bz, cz = ax * by - ay * bx;
+        const Floats a2 = length * length, longest = larger(ex * ex + ey * ey + ez * ez, larger(a2, permute(a2, next)));
+        // Height / longest edge = twice the area / longest edge squared.
+        constexpr float least = LocalRules::least_height * LocalRules::least_height;
+        Mask usable = first_lanes(n) & below(turn, all(3.14159265f - 1e-4f)) &
+                      at_most(least * longest * longest, cx * cx + cy * cy + cz * cz) &
+                      at_most(Floats{}, anx * bnx + any * bny + anz * bnz);
+        Floats x = atx + permute(atx, next), y = aty + permute(aty, next), z = atz + permute(atz, next);
+        add_tangent(ex, ey, ez, anx, any, anz, x, y, z);
+        add_tangent(-ex, -ey, -ez, bnx, bny, bnz, x, y, z);
+        x = (ax + bx) * (1.f / 3) + x * (1.f / 6);
+        y = (ay + by) * (1.f / 3) + y * (1.f / 6);
+        z = (az + bz) * (1.f / 3) + z * (1.f / 6);
+        usable &= at_most(x * x + y * y + z * z, all(1.f));
+        const Floats mx = anx + bnx + c.n[0], my = any + bny + c.n[1], mz = anz + bnz + c.n[2],
+                     scale = inverse_root(mx * mx + my * my + mz * mz + 1e-30f);
+        store(out.x, x);
+        store(out.y, y);
+        store(out.z, z);
+        store(out.nx, mx * scale);
+        store(out.ny, my * scale);
+        store(out.nz, mz * scale);
+        store(out.angle, angle_of(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]));
+        out.usable = usable;
+        return largest(select(first_lanes(n), turn, Floats{}));
+    }
+
+    /// Takes the new points around the centre into its frame.
+    PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, std::int32_t* hits, int found, Arrivals& a)
+    {
+        a.count = std::min(found, largest_ring);
+        const Floats inverse = all(c.inverse_radius);
+        const Floats cnx = all(c.n[0]), cny = all(c.n[1]), cnz = all(c.n[2]);
+        for (int k = 0; k < a.count; k += lane_count)
+        {
+            const Mask valid = first_lanes(a.count - k);
+            const Ints source = select(valid, load<Ints>(hits + k), Ints{});
+            const Floats away = all(far_away);
+            const Floats x = select(valid, (gather(points.x, source) - c.x) * inverse, away),
+                         y = select(valid, (gather(points.y, source) - c.y) * inverse, away),
+                         z = select(valid, (gather(points.z, source) - c.z) * inverse, away);
+            const Floats nx = gather(points.nx, source), ny = gather(points.ny, source), nz = gather(points.nz, source);
+            const Floats radius = gather(points.radius, source) * inverse;
+            const Floats d2 = x * x + y * y + z * z, agreement = cnx * nx + cny * ny + cnz * nz;
+            const Floats slope = (cnx + nx) * x + (cny + ny) * y + (cnz + nz) * z, limit = 1 + agreement;
+            const Mask admitted =
+                at_most(slope * slope, limit * limit * d2) & at_most(all(least_agreement), agreement) & valid;
+            const Floats least = all(least_distance);
+            store(a.source + k, source);
+            store(a.x + k, x);
+            store(a.y + k, y);
+            store(a.z + k, z);
+            store(a.nx + k, nx);
+            store(a.ny + k, ny);
+            store(a.nz + k, nz);
+            store(a.length + k, d2 * inverse_root(d2 + 1e-30f));
+            store(a.angle + k,
+                  angle_of(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]));
+            store(a.reach + k, larger(select(admitted, radius * LocalRules::discard, least), least));
+            store(a.near_reach + k, larger(radius * LocalRules::discard_near, least));
+            a.free[k / lane_count] = admitted;
+        }
+    }
+
+    void join_near_reach(int arrival)
+    {
+        w.arrivals.free[arrival / lane_count] &= ~(1u << arrival % lane_count);
+        w.arrivals.reach[arrival] = w.arrivals.near_reach[arrival];
+    }
+
+    /// N' begins with the old and new points nearer than lambda_1.
+    PN_INLINE void start_front(const Centre& c, const Ring& ring, Arrivals& a, Front& f)
+    {
+        const Floats near = all(LocalRules::near);
+        f.dead = 0;
+        f.farthest = 0;
+        if (ring.count <= lane_count && a.count <= lane_count)
+        {
+            const Mask old = at_most(load<Floats>(ring.length), near) & first_lanes(ring.count);
+            const Mask fresh = a.count > 0 ? at_most(load<Floats>(a.length), near) & a.free[0] : 0;
+            const int n_old = count_of(old), n = n_old + count_of(fresh);
+            if (n <= lane_count)
+            {
+                const Ints behind = lane_numbers - n_old;
+                const Mask front = first_lanes(n_old);
+                const auto merge = [&](const float* p, const float* q) {
+                    return select(front, compress(old, load<Floats>(p)),
+                                  permute(compress(fresh, load<Floats>(q)), behind));
+                };
+                const Floats angle = merge(ring.angle, a.angle);
+                const Ints order = order_of(first_lanes(n), angle);
+                const auto put = [&](float* to, const float* p, const float* q)
+                { store(to, permute(merge(p, q), order)); };
+                store(f.angle, permute(angle, order));
+                put(f.x, ring.x, a.x);
+                put(f.y, ring.y, a.y);
+                put(f.z, ring.z, a.z);
+                put(f.nx, ring.nx, a.nx);
+                put(f.ny, ring.ny, a.ny);
+                put(f.nz, ring.nz, a.nz);
+                const Ints member = select(front, compress(old, lane_numbers),
+                                           permute(compress(fresh, lane_numbers + ring_capacity), behind));
+                store(f.member, permute(member, order));
+                f.count = n;
+                if (a.count > 0)
+                {
+                    store(a.reach, select(fresh, load<Floats>(a.near_reach), load<Floats>(a.reach)));
+                    a.free[0] &= ~fresh;
+                }
+                return;
+            }
+        }
+        start_crowded_front(c, ring, a, f);
+    }
+
+    /// The same for more than a vector holds: the nearest in each sector are enough to find gaps, but all are in reach.
+    void start_crowded_front(const Centre& c, const Ring& ring, Arrivals& a, Front& f)
+    {
+        alignas(64) float angles[2 * ring_capacity], lengths[2 * ring_capacity], kept_angles[lane_count];
+        std::int32_t members[2 * ring_capacity];
+        int n = 0;
+        for (int k = 0; k < ring.count; ++k)
+            if (ring.length[k] <= LocalRules::near)
+            {
+                angles[n] = ring.angle[k];
+                lengths[n] = ring.length[k];
+                members[n++] = k;
+            }
+        for (int k = 0; k < a.count; ++k)
+            if ((a.free[k / lane_count] >> k % lane_count & 1) && a.length[k] <= LocalRules::near)
+            {
+                angles[n] = a.angle[k];
+                lengths[n] = a.length[k];
+                members[n++] = ring_capacity + k;
+                join_near_reach(k);
+            }
+        const float* kept = angles;
+        if (n > lane_count)
+        {
+            f.farthest = *std::max_element(lengths, lengths + n);
+            for (int k = 0; k < n; ++k)
+                raise_radius(members[k], std::min(lengths[k] * hair, LocalRules::shrink) / c.inverse_radius);
+            n = thin_to_sectors(angles, lengths, members, n, kept_angles);
+            kept = kept_angles;
+        }
+        int order[lane_count];
+        for (int k = 0; k < n; ++k)
+        {
+            int place = k;
+            for (; place > 0 && kept[order[place - 1]] > kept[k]; --place)
+                order[place] = order[place - 1];
+            order[place] = k;
+        }
+        f.count = n;
+        for (int k = 0; k < n; ++k)
+        {
+            f.angle[k] = kept[order[k]];
+            set_member(f, k, members[order[k]]);
+        }
+    }
+
+    void set_member(Front& f, int k, int member) const
+    {
+        f.member[k] = member;
+        const bool is_new = member >= ring_capacity;
+        const int i = is_new ? member - ring_capacity : member;
+        const Ring& r = w.ring;
+        const Arrivals& a = w.arrivals;
+        f.x[k] = is_new ? a.x[i] : r.x[i];
+        f.y[k] = is_new ? a.y[i] : r.y[i];
+        f.z[k] = is_new ? a.z[i] : r.z[i];
+        f.nx[k] = is_new ? a.nx[i] : r.nx[i];
+        f.ny[k] = is_new ? a.ny[i] : r.ny[i];
+        f.nz[k] = is_new ? a.nz[i] : r.nz[i];
+    }
+
+    /// Gaps of N' in the tangent plane.
+    static PN_INLINE Floats plane_gaps(const Front& f)
+    {
+        const Floats angle = load<Floats>(f.angle);
+        return permute(angle, successors(f.count)) - angle + select(1u << (f.count - 1), all(6.28318531f), Floats{});
+    }
+
+    /// The angles that the curves between them sweep (eq. 5), where that matters.
+    static PN_INLINE Floats measure_gaps(const Front& f, bool curved)
+    {
+        const Floats plane = plane_gaps(f);
+        // The curve bends an angle by far less than what lies outside these limits.
+        const Mask unsure = at_most(all(0.9f), plane) & at_most(plane, all(2.6f)) & first_lanes(f.count);
+        if (!curved || unsure == 0)
+            return plane;
+        const Ints next = successors(f.count);
+        const Floats ax = load<Floats>(f.x), ay = load<Floats>(f.y), az = load<Floats>(f.z);
+        const Floats anx = load<Floats>(f.nx), any = load<Floats>(f.ny), anz = load<Floats>(f.nz);
+        const Floats bx = permute(ax, next), by = permute(ay, next), bz = permute(az, next);
+        const Floats ex = bx - ax, ey = by - ay, ez = bz - az;
+        Floats cx = ax, cy = ay, cz = az, dx = bx, dy = by, dz = bz;
+        add_tangent(ex, ey, ez, anx, any, anz, cx, cy, cz);
+        add_tangent(-ex, -ey, -ez, permute(anx, next), permute(any, next), permute(anz, next), dx, dy, dz);
+        const auto angle = [](Floats px, Floats py, Floats pz, Floats qx, Floats qy, Floats qz)
+        {
+            const Floats rx = py * qz - pz * qy, ry = pz * qx - px * qz, rz = px * qy - py * qx;
+            return angle_of(px * qx + py * qy + pz * qz, root(rx * rx + ry * ry + rz * rz));
+        };
+        const Floats swept =
+            angle(ax, ay, az, cx, cy, cz) + angle(cx, cy, cz, dx, dy, dz) + angle(dx, dy, dz, bx, by, bz);
+        return select(unsure, swept, plane);
+    }
+
+    /// Lets an arrival join N' where its angle belongs.
+    PN_INLINE void join(int arrival, Front& f)
+    {
+        const float angle = w.arrivals.angle[arrival];
+        const int n = f.count;
+        const int at = count_of(at_most(load<Floats>(f.angle), all(angle)) & first_lanes(n));
+        const Ints places = lane_numbers + select(first_lanes(at + 1), Ints{}, all(-1));
+        for (float* values : {f.angle, f.x, f.y, f.z, f.nx, f.ny, f.nz})
+            store(values, permute(load<Floats>(values), places));
+        store(f.member, permute(load<Ints>(f.member), places));
+        f.count = n + 1;
+        f.angle[at] = angle;
+        set_member(f, at, ring_capacity + arrival);
+        join_near_reach(arrival);
+        const Mask lower = first_lanes(at);
+        f.dead = (f.dead & lower) | (f.dead & ~lower) << 1;
+        f.dead &= ~(1u << at | 1u << (at == 0 ? n : at - 1));
+    }
+
+    /// Whether a new point may not lie at (x, y, z): too near an old or a new point, or inside the discard space.
+    PN_INLINE bool is_discarded(float x, float y, float z) const
+    {
+        const float least2 = least_distance * least_distance;
+        Mask bad = x * x + y * y + z * z < least2;
+        const auto squared = [&](const float* px, const float* py, const float* pz)
+        {
+            const Floats dx = load<Floats>(px) - x, dy = load<Floats>(py) - y, dz = load<Floats>(pz) - z;
+            return dx * dx + dy * dy + dz * dz;
+        };
+        const Ring& r = w.ring;
+        const Arrivals& a = w.arrivals;
+        for (int k = 0; k < r.count; k += lane_count)
+            bad |= below(squared(r.x + k, r.y + k, r.z + k), all(least2));
+        for (int k = 0; k < a.count; k += lane_count)
+        {
+            const Floats reach = load<Floats>(a.reach + k);
+            bad |= below(squared(a.x + k, a.y + k, a.z + k), reach * reach) & first_lanes(a.count - k);
+        }
+        return bad != 0;
+    }
+
+    /// How well directions halve the gap: the smaller of the two parts.
+    static PN_INLINE Floats halving(Floats angle, float start, float width)
+    {
+        Floats t = angle - start;
+        t = select(below(t, Floats{}), t + 6.28318531f, t);
+        return smaller(t, width - t);
+    }
+
+    /// Fills the gaps of N' wider than theta_c. \returns true if one stays open.
+    PN_INLINE bool fill_gaps(const Centre& c, int own, bool curved, Front& f)
+    {
+        Candidates& candidates = w.candidates;
+        Arrivals& arrivals = w.arrivals;
+        bool is_open = false;
+        Floats gaps = f.count > 0 ? measure_gaps(f, curved) : Floats{};
+        while (f.count < lane_count)
+        {
+            const int n = f.count;
+            float start = 0, width = 6.28318531f;
+            int widest = 0;
+            if (n > 0)
+            {
+                const Mask wide = below(all(LocalRules::complete_angle), gaps) & first_lanes(n) & ~f.dead;
+                if (wide == 0)
+                    return is_open;
+                widest = largest_lane(wide, gaps);
+                start = f.angle[widest];
+                width = widest + 1 < n ? f.angle[widest + 1] - start : f.angle[0] - start + 6.28318531f;
+            }
+            // The candidate in the gap's sector that halves it best.
+            const Floats least = all(LocalRules::least_turn);
+            const Floats score = halving(load<Floats>(candidates.angle), start, width);
+            if (const Mask fitting = candidates.usable & below(least, score); fitting != 0)
+            {
+                const int best = largest_lane(fitting, score);
+                candidates.usable &= ~(1u << best);
+                const float x = candidates.x[best], y = candidates.y[best], z = candidates.z[best];
+                int joining = -1;
+                if (!is_discarded(x, y, z))
+                    joining = insert(c, own, best);
+                else
+                {
+                    // The nearest of the new points in this gap takes its place.
+                    float nearest = 1e30f;
+                    for (int k = 0; k < arrivals.count; k += lane_count)
+                    {
+                        const Mask there = arrivals.free[k / lane_count] &
+                                           at_most(least, halving(load<Floats>(arrivals.angle + k), start, width));
+                        if (there == 0)
+                            continue;
+                        const Floats dx = load<Floats>(arrivals.x + k) - x, dy = load<Floats>(arrivals.y + k) - y,
+                                     dz = load<Floats>(arrivals.z + k) - z, d2 = dx * dx + dy * dy + dz * dz;
+                        const int lane = largest_lane(there, -d2);
+                        if (d2[lane] < nearest)
+                        {
+                            nearest = d2[lane];
+                            joining = k + lane;
+                        }
+                    }
+                }
+                if (joining >= 0)
+                {
+                    join(joining, f);
+                    gaps = measure_gaps(f, curved);
+                }
+                continue;
+            }
+            int best = -1;
+            float best_score = LocalRules::least_turn;
+            for (int k = 0; k < arrivals.count; k += lane_count)
+            {
+                const Floats scores = halving(load<Floats>(arrivals.angle + k), start, width);
+                if (const Mask there = arrivals.free[k / lane_count] & below(all(best_score), scores); there != 0)
+                {
+                    const int lane = largest_lane(there, scores);
+                    best = k + lane;
+                    best_score = scores[lane];
+                }
+            }
+            if (best >= 0)
+            {
+                join(best, f);
+                gaps = measure_gaps(f, curved);
+                continue;
+            }
+            is_open = true;
+            if (n == 0)
+                return true;
+            f.dead |= 1u << widest;
+        }
+        return is_open;
+    }
+
+    /// Makes a candidate a new point. \returns its place among the arrivals, -1 if there is no room.
+    PN_INLINE int insert(const Centre& c, int own, int candidate)
+    {
+        Arrivals& a = w.arrivals;
+        const Candidates& from = w.candidates;
+        if (a.count >= ring_capacity)
+            return -1;
+        const int next = candidate + 1 < w.fan.count ? candidate + 1 : 0;
+        const float radius = 1 / c.inverse_radius, unit = float(1 / w.scale);
+        const float x = from.x[candidate], y = from.y[candidate], z = from.z[candidate];
+        const float length = __builtin_sqrtf(x * x + y * y + z * z);
+        LocalPoints& to = w.new_points;
+        to.reserve(to.count + 1);
+        const int j = to.count++;
+        to.x[j] = x * radius + c.x;
+        to.y[j] = y * radius + c.y;
+        to.z[j] = z * radius + c.z;
+        to.nx[j] = from.nx[candidate];
+        to.ny[j] = from.ny[candidate];
+        to.nz[j] = from.nz[candidate];
+        const float own_radius = std::min(length, LocalRules::shrink);
+        to.radius[j] = own_radius * radius;
+        to.largest_radius[j] = LocalRules::shrink * radius;
+        to.leaf[j] = leaf;
+        to.index[j] = children.count();
+        to.pad(j + 1);
+        const auto level_place = [&](int entry) { return w.old_points.index[w.ring.source[entry]]; };
+        children.append({w.old_points.index[own], level_place(w.fan.entry[candidate]), level_place(w.fan.entry[next])},
+                        {to.x[j] * unit, to.y[j] * unit, to.z[j] * unit, to.nx[j], to.ny[j], to.nz[j],
+                         to.radius[j] * unit, to.largest_radius[j] * unit});
+        const int k = a.count++;
+        if (k % lane_count == 0) // a new vector is begun
+            a.free[k / lane_count] = 0;
+        a.source[k] = j;
+        a.x[k] = x;
+        a.y[k] = y;
+        a.z[k] = z;
+        a.nx[k] = from.nx[candidate];
+        a.ny[k] = from.ny[candidate];
+        a.nz[k] = from.nz[candidate];
+        a.length[k] = length;
+        a.angle[k] = from.angle[candidate];
+        a.near_reach[k] = std::max(LocalRules::discard_near * own_radius, least_distance);
+        return k;
+    }
+
+    PN_INLINE void raise_radius(int member, float radius)
+    {
+        const bool is_new = member >= ring_capacity;
+        const int source = is_new ? w.arrivals.source[member - ring_capacity] : w.ring.source[member];
+        float& old = is_new ? w.new_points.radius[source] : w.next[std::size_t(source)];
+        // Nor may a point with a large radius, at the rim of a hole, raise those of all others around it.
+        old = std::max(old, std::min(radius, (is_new ? w.new_points : w.old_points).largest_radius[source]));
+    }
+
+    PN_INLINE void write_radii(int own, const Centre& c, bool is_open, const Front& f)
+    {
+        const float least = std::max(is_open ? LocalRules::open_radius : 0, f.farthest);
+        float radius2 = least * least;
+        const float radius = 1 / c.inverse_radius;
+        if (const int n = f.count; n > 0)
+        {
+            const Mask valid = first_lanes(n);
+            const Floats x = load<Floats>(f.x), y = load<Floats>(f.y), z = load<Floats>(f.z);
+            const Floats d2 = select(valid, x * x + y * y + z * z, Floats{});
+            radius2 = std::max(radius2, largest(d2));
+            const Ints next = successors(n);
+            const Floats dx = permute(x, next) - x, dy = permute(y, next) - y, dz = permute(z, next) - z;
+            const Floats after = select(~f.dead & 0xFFFFu, dx * dx + dy * dy + dz * dz, Floats{});
+            const Floats before = permute(after, select(1u, all(n - 1), lane_numbers - 1));
+            const Floats reach2 = larger(d2, larger(after, before));
+            alignas(64) float raised[lane_count];
+            store(raised, smaller(root(reach2) * hair, all(LocalRules::shrink)) * radius);
+            for (int k = 0; k < n; ++k)
+                raise_radius(f.member[k], raised[k]);
+        }
+        float& own_next = w.next[std::size_t(own)];
+        own_next = std::max(own_next, std::min(__builtin_sqrtf(radius2) * hair, LocalRules::shrink) * radius);
+    }
+
+    PN_INLINE bool refine(int own)
+    {
+        const LocalPoints& old_points = w.old_points;
+        Centre c{old_points.x[own],
+                 old_points.y[own],
+                 old_points.z[own],
+                 {old_points.nx[own], old_points.ny[own], old_points.nz[own]},
+                 {},
+                 {},
+                 1 / old_points.radius[own]};
+        set_tangents(c);
+        least_distance =
+            std::max(LocalRules::least_distance, LocalRules::least_usual * w.usual_radius * c.inverse_radius);
+        Ring& ring = w.ring;
+        std::int32_t* hits = w.hits.data();
+        int found = find_near(old_points, c, hits);
+        if (found > largest_ring || w.has_creases)
+            found = choose_hits(old_points, c, step.least_crease_agreement, w.has_creases, hits, found);
+        fill_ring(old_points, c, hits, found, ring);
+        bool accurate = step.precision == Precision::accurate || step.precision == Precision::fuzzy;
+        if (step.precision == Precision::automatic)
+        {
+            Mask bent = 0;
+            for (int k = 0; k < ring.count; k += lane_count)
+                bent |= below(load<Floats>(ring.flatness + k), all(LocalRules::curved_below));
+            accurate = bent != 0;
+        }
+        const bool in_plane = accurate && step.precision != Precision::fuzzy;
+        find_tangents(c, in_plane, ring);
+        sort_fan(ring, in_plane, w.fan);
+        const float fan_gap = list_candidates(c, ring, w.fan, w.candidates);
+
+        found = find_near(w.new_points, c, hits);
+        fill_arrivals(w.new_points, c, hits, found, w.arrivals);
+        if (w.has_creases)
+            reject_other_side(w, c, step.least_crease_agreement, least_distance);
+        start_front(c, ring, w.arrivals, w.front);
+        const bool is_open = fill_gaps(c, own, accurate, w.front);
+        // A rim stays open: keeping the radius large there would only collect neighbours.
+        const bool is_rim = fan_gap > step.boundary_angle;
+        const bool is_large = old_points.radius[own] > LocalRules::largest_open * w.usual_radius;
+        write_radii(own, c, is_open && !is_rim && !is_large, w.front);
+        return is_open;
+    }
+};
+
+int refine_points_of_leaf(const RefineStep& step, Workspace& w, int self)
+{
+    PointRefiner refiner{step, w, step.children[std::size_t(self)], self};
+    const Leaf& leaf = step.level.leaves[std::size_t(self)];
+    int open = 0;
+    for (int i = 0; i < leaf.size(); ++i)
+    {
+        w.hits.resize(std::size_t(std::max(w.old_points.count, w.new_points.count)) + 2 * lane_count);
+        if (step.level.points[std::size_t(leaf.begin + i)].flags & WorkPoint::refined)
+            open += refiner.refine(i);
+    }
+    return open;
+}
