@@ -226,10 +226,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
         is_inner[b] = labelled.labels[b] == Side::inner;
     const bool has_inner = std::any_of(is_inner.begin(), is_inner.end(), [](char c) { return c != 0; });
     if (!dropped.empty())
-    {
-        labelled.diagram.remove(dropped);
-        labelled.regular = labelled.diagram.triangulation();
-    }
+        labelled.diagram.remove(dropped, labelled.regular, labelling.threads);
     if (has_inner)
     {
         const UnionMeasure measure = measure_union(labelled.regular, balls, is_inner, labelling.threads);

@@ -34,7 +34,8 @@ int block_of(int vertex)
 class Collapser
 {
 public:
-    Collapser(TriangleMesh& mesh, const std::vector<double>& scale, const EdgeCollapseOptions& options)
+    Collapser(TriangleMesh& mesh, const HalfEdges& half_edges, const std::vector<double>& scale, const std::vector<int>& merged,
+              const EdgeCollapseOptions& options)
         : mesh_(mesh), options_(options), triangles_(mesh.triangles.size()), vertices_left_(int(mesh.vertices.size()))
     {
         for (const double share : {0.01, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0})
@@ -45,7 +46,7 @@ public:
 
         vertices_.reserve(mesh.vertices.size());
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-            vertices_.push_back({mesh.vertices[v], scale[v], gone, 0, 1});
+            vertices_.push_back({mesh.vertices[v], scale[v], gone, 0, merged[v]});
         for (std::size_t t = 0; t < triangles_.size(); ++t)
             for (int k = 0; k < 3; ++k)
             {
@@ -53,9 +54,10 @@ public:
                 v.outgoing = int(4 * t) + k;
                 ++v.degree;
                 triangles_[t].origin[k] = mesh.triangles[t][k];
+                triangles_[t].twin[k] = half_edges.twin[t][k];
             }
         blocks_.resize(std::size_t(block_of(int(vertices_.size()) - 1)) + 1);
-        list_edges();
+        parallel_for(blocks_.size(), options.threads, {}, [&](std::size_t b) { enlist_block(int(b)); }, 1);
     }
 
     void run()
@@ -120,47 +122,6 @@ private:
     int& twin(int h) { return triangles_[h >> 2].twin[h & 3]; }
     int twin(int h) const { return triangles_[h >> 2].twin[h & 3]; }
 
-    /// Finds the twins and enlists every edge.
-    void list_edges()
-    {
-        std::vector<int> first(vertices_.size() + 1, 0), at_lower(3 * triangles_.size());
-        const auto for_all = [&](auto&& call)
-        {
-            for (int t = 0; t < int(triangles_.size()); ++t)
-                for (int h = 4 * t; h < 4 * t + 3; ++h)
-                    call(h, std::min(origin(h), target(h)));
-        };
-        for_all([&](int, int lower) { ++first[lower + 1]; });
-        for (std::size_t v = 0; v < vertices_.size(); ++v)
-            first[v + 1] += first[v];
-        std::vector<int> next_free(first.begin(), first.end() - 1);
-        for_all([&](int h, int lower) { at_lower[next_free[lower]++] = h; });
-
-        const auto pair_at = [&](int v, Block& block)
-        {
-            for (int i = first[v]; i < first[v + 1]; ++i)
-                for (int j = first[v]; j < i; ++j)
-                {
-                    const int g = at_lower[i], h = at_lower[j];
-                    if (origin(g) != target(h) || origin(h) != target(g))
-                        continue;
-                    twin(g) = h;
-                    twin(h) = g;
-                    enlist(origin(g) == v ? g : h, 0, block);
-                }
-        };
-        parallel_for(
-            blocks_.size(), options_.threads, {},
-            [&](std::size_t b)
-            {
-                blocks_[b].edges.resize(limits_.size());
-                const int end = std::min(int(b + 1) * block_size, int(vertices_.size()));
-                for (int v = int(b) * block_size; v < end; ++v)
-                    pair_at(v, blocks_[b]);
-            },
-            1);
-    }
-
     /// Relative to the scale.
     double squared_length(int a, int b) const
     {
@@ -178,6 +139,23 @@ private:
             ++c;
         if (c < limits_.size())
             block.edges[c].push_back(h);
+    }
+
+    /// Enlists the edges from the block's vertices to later ones.
+    void enlist_block(int b)
+    {
+        blocks_[b].edges.resize(limits_.size());
+        const int end = std::min((b + 1) * block_size, int(vertices_.size()));
+        for (int v = b * block_size; v < end; ++v)
+        {
+            int h = vertices_[v].outgoing;
+            do
+            {
+                if (v < target(h))
+                    enlist(h, 0, blocks_[b]);
+                h = twin(previous(h));
+            } while (h != vertices_[v].outgoing);
+        }
     }
 
     /// Blocks go side by side; what touches several comes after them, one by one.
@@ -388,13 +366,13 @@ private:
 
 } // namespace
 
-std::vector<int> collapse_short_edges(TriangleMesh& mesh, const std::vector<double>& scale,
-                                      const EdgeCollapseOptions& options)
+std::vector<int> collapse_short_edges(TriangleMesh& mesh, const HalfEdges& half_edges, const std::vector<double>& scale,
+                                      const std::vector<int>& merged, const EdgeCollapseOptions& options)
 {
     mesh.faux_edges.clear();
     if (mesh.triangles.empty())
         return {};
-    Collapser collapser(mesh, scale, options);
+    Collapser collapser(mesh, half_edges, scale, merged, options);
     collapser.run();
     return std::move(collapser).copy_back();
 }

@@ -3,31 +3,37 @@
 #include <recon/collapse_edges.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
+#include <recon/weld_clusters.h>
+
+#include <utility>
 
 namespace recon
 {
 
 TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options)
 {
-    std::vector<int> ball_of_vertex;
-    TriangleMesh mesh = extract_crust(labelled.regular, labelled.labels, options.threads, &ball_of_vertex);
-    if (mesh.triangles.empty())
-        throw AlgorithmFailure(
-            "No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
+    const CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels, options.threads);
+    if (polygons.corners.empty())
+        throw AlgorithmFailure("No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
+    TriangleMesh mesh;
     if (options.simplify)
     {
         std::vector<double> scale;
-        scale.reserve(ball_of_vertex.size());
-        for (const int ball : ball_of_vertex)
+        scale.reserve(polygons.ball.size());
+        for (const int ball : polygons.ball)
         {
             const double local = labelled.scale[ball];
             scale.push_back(local > 0 ? local : labelled.spacing);
         }
+        WeldedCrust welded = weld_clusters(polygons, scale, options.threads);
+        mesh = std::move(welded.mesh);
         EdgeCollapseOptions collapse;
         collapse.target_vertices = options.target_vertices;
         collapse.threads = options.threads;
-        collapse_short_edges(mesh, scale, collapse);
+        collapse_short_edges(mesh, welded.half_edges, welded.scale, welded.merged, collapse);
     }
+    else
+        mesh = triangulate_polygons(polygons, options.threads);
     // After the collapse, which leaves a tenth of the triangles.
     if (options.keep_components == KeepComponents::largest)
         keep_largest_component(mesh);

@@ -40,7 +40,7 @@ int best_fan_corner(const Points& vertices, const std::vector<int>& polygon)
     return best;
 }
 
-void append_polygon(const Points& vertices, const std::vector<int>& polygon, TriangleMesh& mesh)
+void append_fan(const Points& vertices, const std::vector<int>& polygon, TriangleMesh& mesh)
 {
     const int n = int(polygon.size()), apex = best_fan_corner(vertices, polygon);
     const auto corner = [&](int k) { return polygon[(apex + k) % n]; };
@@ -51,14 +51,21 @@ void append_polygon(const Points& vertices, const std::vector<int>& polygon, Tri
     }
 }
 
+constexpr std::size_t grain = 8192;
+
+std::size_t chunk_count(std::size_t items) { return (items + grain - 1) / grain; }
+
+template <class Item>
+void append(std::vector<Item>& whole, const std::vector<Item>& part)
+{
+    whole.insert(whole.end(), part.begin(), part.end());
+}
+
 } // namespace
 
-TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads,
-                           std::vector<int>* ball_of_vertex)
+CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
-    TriangleMesh mesh;
-    if (ball_of_vertex)
-        ball_of_vertex->clear();
+    CrustPolygons result;
     std::vector<int> vertex_of_cell(std::size_t(regular.finite_cells), -1);
     for (int c = 0; c < regular.finite_cells; ++c)
     {
@@ -67,48 +74,76 @@ TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>
         const int outer = is_outer(0) + is_outer(1) + is_outer(2) + is_outer(3);
         if (outer == 0 || outer == 4)
             continue;
-        vertex_of_cell[c] = int(mesh.vertices.size());
-        mesh.vertices.push_back(regular.centres[c]);
-        if (ball_of_vertex)
-            ball_of_vertex->push_back(v[0]);
+        vertex_of_cell[c] = int(result.vertices.size());
+        result.vertices.push_back(regular.centres[c]);
+        result.ball.push_back(v[0]);
     }
 
-    constexpr std::size_t grain = 8192;
-    std::vector<TriangleMesh> chunks((std::size_t(regular.finite_cells) + grain - 1) / grain);
-    parallel_chunks(std::size_t(regular.finite_cells), threads, grain, {},
+    struct Chunk
+    {
+        std::vector<int> size, corners;
+    };
+    std::vector<Chunk> chunks(chunk_count(std::size_t(regular.finite_cells)));
+    const auto list_chunk = [&](std::size_t begin, std::size_t end)
+    {
+        Chunk& chunk = chunks[begin / grain];
+        std::vector<int> ring;
+        for (int c = int(begin); c < int(end); ++c)
+        {
+            if (vertex_of_cell[c] < 0)
+                continue;
+            const auto& v = regular.cells[c].vertices;
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j < 4; ++j)
+                {
+                    if (labels[v[i]] != Side::inner || labels[v[j]] != Side::outer)
+                        continue;
+                    if (!regular.list_ring_from_lowest(c, v[i], v[j], ring))
+                        continue;
+                    chunk.size.push_back(int(ring.size()));
+                    for (const int k : ring)
+                        chunk.corners.push_back(vertex_of_cell[k]);
+                }
+        }
+    };
+    parallel_chunks(std::size_t(regular.finite_cells), threads, grain, {}, list_chunk);
+    for (const Chunk& chunk : chunks)
+    {
+        for (const int size : chunk.size)
+            result.first.push_back(result.first.back() + size);
+        append(result.corners, chunk.corners);
+    }
+    return result;
+}
+
+TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads)
+{
+    const std::size_t count = polygons.first.size() - 1;
+    std::vector<TriangleMesh> chunks(chunk_count(count));
+    parallel_chunks(count, threads, grain, {},
                     [&](std::size_t begin, std::size_t end)
                     {
-                        std::vector<int> ring, polygon;
-                        for (int c = int(begin); c < int(end); ++c)
+                        std::vector<int> polygon;
+                        for (std::size_t p = begin; p < end; ++p)
                         {
-                            if (vertex_of_cell[c] < 0)
-                                continue;
-                            const auto& v = regular.cells[c].vertices;
-                            for (int i = 0; i < 4; ++i)
-                                for (int j = 0; j < 4; ++j)
-                                {
-                                    if (labels[v[i]] != Side::inner || labels[v[j]] != Side::outer)
-                                        continue;
-                                    if (!regular.list_ring_from_lowest(c, v[i], v[j], ring))
-                                        continue;
-                                    polygon.clear();
-                                    for (const int k : ring)
-                                        polygon.push_back(vertex_of_cell[k]);
-                                    append_polygon(mesh.vertices, polygon, chunks[begin / grain]);
-                                }
+                            polygon.assign(polygons.corners.begin() + polygons.first[p],
+                                           polygons.corners.begin() + polygons.first[p + 1]);
+                            append_fan(polygons.vertices, polygon, chunks[begin / grain]);
                         }
                     });
-    std::size_t total = 0;
-    for (const TriangleMesh& chunk : chunks)
-        total += chunk.triangles.size();
-    mesh.triangles.reserve(total);
-    mesh.faux_edges.reserve(total);
+    TriangleMesh mesh;
+    mesh.vertices = polygons.vertices;
     for (const TriangleMesh& chunk : chunks)
     {
-        mesh.triangles.insert(mesh.triangles.end(), chunk.triangles.begin(), chunk.triangles.end());
-        mesh.faux_edges.insert(mesh.faux_edges.end(), chunk.faux_edges.begin(), chunk.faux_edges.end());
+        append(mesh.triangles, chunk.triangles);
+        append(mesh.faux_edges, chunk.faux_edges);
     }
     return mesh;
+}
+
+TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads)
+{
+    return triangulate_polygons(list_crust_polygons(regular, labels, threads), threads);
 }
 
 MeshComponents find_components(const TriangleMesh& mesh)

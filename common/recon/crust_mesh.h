@@ -9,13 +9,25 @@
 namespace recon
 {
 
-/// The power crust: all faces of the power diagram between an inner and an outer cell (Mederos et al. 2005, algorithm 4.1
-/// step 6), turned outward, polygons split into triangles. One vertex per regular cell with both labels, never welded by
-/// coordinates, so it is a closed oriented 2-manifold by construction.
-/// \param regular of the power diagram. \pre balls on its hull are outer.
-/// \returns an empty mesh if all labels are the same. `ball_of_vertex`, if given, gets a ball at each vertex.
-TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1,
-                           std::vector<int>* ball_of_vertex = nullptr);
+/// The power crust as polygons: all faces of the power diagram between an inner and an outer cell (Mederos et al. 2005,
+/// algorithm 4.1 step 6), turned outward. One vertex per regular cell with both labels, never welded by coordinates, so it is
+/// a closed oriented 2-manifold by construction.
+struct CrustPolygons
+{
+    Points vertices;
+    std::vector<int> ball;        ///< Per vertex: a ball whose power cell has it as a corner.
+    std::vector<int> first = {0}; ///< Corners of polygon p are corners[first[p]..first[p + 1]).
+    std::vector<int> corners;     ///< Indices of vertices.
+};
+
+/// \param regular of the power diagram. \pre balls on its hull are outer. \returns no polygon if all labels are the same.
+CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1);
+
+/// Polygons as fans of triangles, from the corner with the best worst one; their diagonals are faux edges.
+TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads = 1);
+
+/// Both.
+TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1);
 
 /// Connected components of a mesh by shared vertices: per triangle its component, numbered in order of first triangle.
 struct MeshComponents

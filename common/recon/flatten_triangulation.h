@@ -13,13 +13,42 @@
 namespace recon
 {
 
+/// A cell of a CGAL triangulation whose vertices and cells carry an int as info(). Vertices ascending but for the last two, which
+/// keep the orientation.
+template <class CgalTriangulation>
+Triangulation::Cell copy_cell(const CgalTriangulation& source, typename CgalTriangulation::Cell_handle handle)
+{
+    Triangulation::Cell cell;
+    for (int i = 0; i < 4; ++i)
+    {
+        const auto vertex = handle->vertex(i);
+        cell.vertices[i] = source.is_infinite(vertex) ? Triangulation::infinite : vertex->info();
+        cell.neighbours[i] = handle->neighbor(i)->info();
+    }
+    bool odd = false;
+    const auto exchange = [&](int i, int j)
+    {
+        std::swap(cell.vertices[i], cell.vertices[j]);
+        std::swap(cell.neighbours[i], cell.neighbours[j]);
+        odd = !odd;
+    };
+    for (const auto& [i, j] : {std::pair(0, 1), std::pair(2, 3), std::pair(0, 2), std::pair(1, 3), std::pair(1, 2)})
+        if (cell.vertices[i] > cell.vertices[j])
+            exchange(i, j);
+    if (odd)
+        exchange(2, 3);
+    return cell;
+}
+
 /// Copies a CGAL triangulation whose vertices and cells carry an int as info() into flat arrays, without the centres.
 /// Cells, and the vertices within a cell, are numbered by the indices of the points alone: CGAL's own order depends on
 /// addresses once a vertex has been removed, so it differs from run to run. Finite cells go by their lowest vertex:
 /// where the points are in a spatial order, so are the cells then, and walks stay in the cache. For the translation
 /// units that instantiate CGAL only.
+/// \param leave_numbers whether info() of the cells shall be their index in the result afterwards.
 template <class CgalTriangulation>
-Triangulation flatten_triangulation(CgalTriangulation& source, std::size_t point_count, int threads)
+Triangulation flatten_triangulation(CgalTriangulation& source, std::size_t point_count, int threads,
+                                    bool leave_numbers = false)
 {
     using Cell = Triangulation::Cell;
     std::vector<typename CgalTriangulation::Cell_handle> handles;
@@ -30,34 +59,10 @@ Triangulation flatten_triangulation(CgalTriangulation& source, std::size_t point
         handles.push_back(c);
     }
 
-    // Vertices ascending but for the last two, which keep the orientation; neighbours by CGAL's order of the cells.
-    const auto copy_cell = [&](auto handle)
-    {
-        Cell cell;
-        for (int i = 0; i < 4; ++i)
-        {
-            const auto vertex = handle->vertex(i);
-            cell.vertices[i] = source.is_infinite(vertex) ? Triangulation::infinite : vertex->info();
-            cell.neighbours[i] = handle->neighbor(i)->info();
-        }
-        bool odd = false;
-        const auto exchange = [&](int i, int j)
-        {
-            std::swap(cell.vertices[i], cell.vertices[j]);
-            std::swap(cell.neighbours[i], cell.neighbours[j]);
-            odd = !odd;
-        };
-        for (const auto& [i, j] : {std::pair(0, 1), std::pair(2, 3), std::pair(0, 2), std::pair(1, 3), std::pair(1, 2)})
-            if (cell.vertices[i] > cell.vertices[j])
-                exchange(i, j);
-        if (odd)
-            exchange(2, 3);
-        return cell;
-    };
     std::vector<Cell> copied(handles.size());
     constexpr std::size_t grain = 8192;
     parallel_for(
-        handles.size(), threads, {}, [&](std::size_t i) { copied[i] = copy_cell(handles[i]); }, grain);
+        handles.size(), threads, {}, [&](std::size_t i) { copied[i] = copy_cell(source, handles[i]); }, grain);
 
     // Buckets by the lowest vertex, finite cells first.
     const auto bucket = [&](const Cell& cell)
@@ -95,6 +100,8 @@ Triangulation flatten_triangulation(CgalTriangulation& source, std::size_t point
             flat.cells[k] = copied[order[k]];
             for (int& neighbour : flat.cells[k].neighbours)
                 neighbour = position[neighbour];
+            if (leave_numbers)
+                handles[order[k]]->info() = int(k);
         },
         grain);
     return flat;

@@ -199,10 +199,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
             doubtful.push_back(i);
     }
     if (!doubtful.empty())
-    {
-        diagram.remove(doubtful);
-        regular = diagram.triangulation(threads);
-    }
+        diagram.remove(doubtful, regular, threads);
     // The second round sees what the first joined.
     for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, 0.02, labels) > 0; ++round)
         continue;

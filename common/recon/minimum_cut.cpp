@@ -2,10 +2,10 @@
 
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 #include <boost/graph/compressed_sparse_row_graph.hpp>
-#include <boost/range/iterator_range.hpp>
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 #include <utility>
 
 namespace recon
@@ -24,67 +24,46 @@ std::vector<Side> label_by_minimum_cut(const SignedGraph& graph, const std::vect
         if (graph.is_root[i])
             to_outer[i] = 2 * everything;
 
-    // Both directions of each edge next to each other, then sorted by their tail as compressed rows want.
-    struct Arc
+    // Only the difference matters: what both sides ask for is cut in any case.
+    const auto for_all_edges = [&](auto&& call)
     {
-        int tail, head;
-        double capacity;
-        std::size_t pair; ///< which arc of the unsorted list is the reverse
+        for (const SignedEdge& e : graph.edges)
+            call(e.a, e.b, e.weight, e.weight);
+        for (int i = 0; i < graph.nodes; ++i)
+            if (to_outer[i] > to_inner[i])
+                call(source, i, to_outer[i] - to_inner[i], 0);
+            else if (to_outer[i] < to_inner[i])
+                call(i, sink, to_inner[i] - to_outer[i], 0);
     };
-    std::vector<Arc> arcs;
-    arcs.reserve(2 * (graph.edges.size() + std::size_t(graph.nodes)));
-    const auto add = [&](int a, int b, double forward, double backward)
-    {
-        const std::size_t i = arcs.size();
-        arcs.push_back({a, b, forward, i + 1});
-        arcs.push_back({b, a, backward, i});
-    };
-    for (const SignedEdge& e : graph.edges)
-        add(e.a, e.b, e.weight, e.weight);
-    for (int i = 0; i < graph.nodes; ++i)
-    {
-        // Only the difference matters: what both sides ask for is cut in any case.
-        const double difference = to_outer[i] - to_inner[i];
-        if (difference > 0)
-            add(source, i, difference, 0);
-        else if (difference < 0)
-            add(i, sink, -difference, 0);
-    }
-    std::vector<std::size_t> order(arcs.size());
-    std::vector<std::size_t> first(std::size_t(graph.nodes) + 3, 0);
-    for (const Arc& arc : arcs)
-        ++first[arc.tail + 1];
-    for (std::size_t i = 0; i + 1 < first.size(); ++i)
-        first[i + 1] += first[i];
-    std::vector<std::size_t> position(arcs.size());
-    for (std::size_t i = 0; i < arcs.size(); ++i)
-    {
-        position[i] = first[arcs[i].tail]++;
-        order[position[i]] = i;
-    }
-
-    using Graph = boost::compressed_sparse_row_graph<boost::directedS>;
+    // Compressed rows, as the graph wants them: arcs sorted by their tail.
+    using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
+                                                     boost::no_property, std::uint32_t, std::uint32_t>;
     using Edge = boost::graph_traits<Graph>::edge_descriptor;
-    std::vector<std::pair<int, int>> pairs;
-    std::vector<double> capacity, residual;
-    pairs.reserve(arcs.size());
-    capacity.reserve(arcs.size());
-    for (const std::size_t i : order)
-    {
-        pairs.emplace_back(arcs[i].tail, arcs[i].head);
-        capacity.push_back(arcs[i].capacity);
-    }
-    residual = capacity;
-    const Graph flow(boost::edges_are_sorted, pairs.begin(), pairs.end(), std::size_t(graph.nodes) + 2);
-    std::vector<Edge> edges;
-    edges.reserve(arcs.size());
-    for (const Edge& e : boost::make_iterator_range(boost::edges(flow)))
-        edges.push_back(e);
-    std::vector<Edge> reverse;
-    reverse.reserve(arcs.size());
-    for (const std::size_t i : order)
-        reverse.push_back(edges[position[arcs[i].pair]]);
     const std::size_t nodes = std::size_t(graph.nodes) + 2;
+    std::vector<std::uint32_t> next(nodes + 1, 0);
+    for_all_edges(
+        [&](int a, int b, double, double)
+        {
+            ++next[a + 1];
+            ++next[b + 1];
+        });
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> arcs(next.back());
+    std::vector<double> capacity(arcs.size());
+    std::vector<Edge> reverse(arcs.size());
+    for_all_edges(
+        [&](int a, int b, double forward, double backward)
+        {
+            const std::uint32_t there = next[a]++, back = next[b]++;
+            arcs[there] = {a, b};
+            arcs[back] = {b, a};
+            capacity[there] = forward;
+            capacity[back] = backward;
+            reverse[there] = Edge(std::uint32_t(b), back);
+            reverse[back] = Edge(std::uint32_t(a), there);
+        });
+    const Graph flow(boost::edges_are_sorted, arcs.begin(), arcs.end(), std::uint32_t(nodes));
+    std::vector<double> residual = capacity;
     std::vector<boost::default_color_type> colour(nodes);
     std::vector<Edge> predecessor(nodes);
     std::vector<long> distance(nodes);

@@ -28,11 +28,12 @@ public:
     ~PowerDiagram();
     PowerDiagram(PowerDiagram&&) noexcept;
 
-    /// Takes these balls out. Balls that were hidden stay hidden.
-    void remove(const std::vector<int>& balls);
-
     /// The dual triangulation; vertices are indices of the balls, hidden balls are vertices of no cell.
-    Triangulation triangulation(int threads = 1) const;
+    Triangulation triangulation(int threads = 1);
+
+    /// Takes these balls out. Balls that were hidden stay hidden. `current`, as triangulation() or the last call gave it, becomes
+    /// the dual triangulation of the balls left.
+    void remove(const std::vector<int>& balls, Triangulation& current, int threads = 1);
 
 private:
     struct Regular;

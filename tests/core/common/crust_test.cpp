@@ -114,7 +114,7 @@ TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
     const Triangulation delaunay = triangulate_delaunay(samples);
     const PolarBalls kept =
         keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double r, const auto&) { return r > 0.02; });
-    const PowerDiagram diagram(kept.balls);
+    PowerDiagram diagram(kept.balls);
     const Triangulation regular = diagram.triangulation();
     for (int trial = 0; trial < 5; ++trial)
     {
@@ -158,13 +158,14 @@ TEST(CollapseShortEdges, KeepsTheTopologyAndTheShapeForAnyNumberOfThreads)
     const TriangleMesh crust = extract_crust(PowerDiagram(kept.balls).triangulation(), labels);
     ASSERT_GT(crust.vertices.size(), 60000u);
     const std::vector<double> scale(crust.vertices.size(), 0.015);
+    const std::vector<int> merged(crust.vertices.size(), 1);
     EdgeCollapseOptions options;
     options.target_vertices = 8000;
     TriangleMesh alone;
     for (options.threads = 1; options.threads <= 3; ++options.threads)
     {
         TriangleMesh mesh = crust;
-        const std::vector<int> former = collapse_short_edges(mesh, scale, options);
+        const std::vector<int> former = collapse_short_edges(mesh, pair_half_edges(mesh, options.threads), scale, merged, options);
         const checks::MeshReport report = checks::examine_mesh(mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_EQ(report.genus(), 1);
@@ -216,7 +217,7 @@ TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)
                 balls.push_back({p, 0.05});
                 labels.push_back(p.norm() < 0.4 ? Side::inner : Side::outer);
             }
-    const PowerDiagram diagram(balls);
+    PowerDiagram diagram(balls);
     const Triangulation regular = diagram.triangulation();
     std::vector<char> is_root(balls.size(), 0), is_small(balls.size(), 1);
     for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)

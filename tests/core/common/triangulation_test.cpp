@@ -74,12 +74,23 @@ TEST(PowerDiagram, CentresHaveTheLeastPowerToTheirOwnBalls)
     std::set<int> present;
     for (int b = 0; b < int(balls.size()); ++b)
         present.insert(b);
-    for (const std::vector<int>& removed : {std::vector<int>{}, std::vector<int>{3, 50, 51, 52, 120}})
+    Triangulation t = diagram.triangulation();
+    std::set<int> hull, inside;
+    for (int c = 0; c < int(t.cells.size()); ++c)
+        for (const int v : t.cells[c].vertices)
+            (c < t.finite_cells ? inside : hull).insert(v);
+    for (const int v : hull)
+        inside.erase(v);
+    ASSERT_GT(inside.size(), 12u);
+    const std::vector<int> deep(inside.begin(), inside.end());
+    // None; few, in a triangulation that is mended, also for a second time; on the hull; more, after which it is made anew.
+    for (const std::vector<int>& removed :
+         {std::vector<int>{}, std::vector<int>(deep.begin(), deep.begin() + 4), std::vector<int>(deep.begin() + 4, deep.begin() + 6),
+          std::vector<int>{*hull.rbegin()}, std::vector<int>(deep.begin() + 6, deep.begin() + 13)})
     {
-        diagram.remove(removed);
+        diagram.remove(removed, t);
         for (const int b : removed)
             present.erase(b);
-        const Triangulation t = diagram.triangulation();
         expect_sound(t);
         for (int c = 0; c < t.finite_cells; ++c)
         {
@@ -94,6 +105,9 @@ TEST(PowerDiagram, CentresHaveTheLeastPowerToTheirOwnBalls)
             for (const int v : t.cells[c].vertices)
                 EXPECT_TRUE(present.count(v));
         }
+        const std::size_t mended = t.cells.size();
+        t = diagram.triangulation();
+        EXPECT_EQ(mended, t.cells.size());
     }
 }
 

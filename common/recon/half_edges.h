@@ -1,0 +1,22 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <array>
+#include <vector>
+
+namespace recon
+{
+
+/// Half-edges of a triangle mesh: half-edge 4 t + k leads from corner k of triangle t to the next one.
+struct HalfEdges
+{
+    std::vector<std::array<int, 4>> twin; ///< Per triangle and corner: the half-edge back. The fourth is unused.
+    std::vector<int> faulty;              ///< Triangles that cannot be part of a closed oriented manifold.
+};
+
+/// Finds the half-edges' twins. A triangle is faulty if one of its sides has not exactly one triangle that runs along it each way,
+/// or one of its corners has fewer than three triangles; its twins mean nothing. `threads` >= 1.
+HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads = 1);
+
+} // namespace recon
