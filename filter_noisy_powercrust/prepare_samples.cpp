@@ -3,7 +3,6 @@
 #include "filter_amls/sample_surface.h"
 
 #include <recon/cleanness.h>
-#include <recon/neighbours.h>
 #include <recon/noise.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
@@ -18,8 +17,6 @@ namespace
 /// Below this share of clean samples a cloud is denoised. Clean clouds have 0.73 and more, noisy copies and merged scans 0.62
 /// and less.
 constexpr double clean_above = 0.7;
-/// Above this share of violated votes a clean cloud is tried again with normals. Right results had up to 0.07, floods 0.2 to 0.9.
-constexpr double flooded_above = 0.15;
 
 } // namespace
 
@@ -37,8 +34,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         sorted.push_back(points[i]);
         result.distinct.push_back(result.frame.to_unit(points[i]));
     }
-    result.cleanness =
-        measure_cleanness(result.distinct, NeighbourSearch(result.distinct), resolve_threads(options.threads));
+    result.cleanness = measure_cleanness(result.distinct, resolve_threads(options.threads));
     result.is_noisy = result.cleanness < clean_above;
     if (!result.is_noisy && options.denoise != Denoise::on)
     {

@@ -88,6 +88,8 @@ BallAttraction weigh_attraction(const Triangulation& regular, const std::vector<
             for (int i = 0; i < 4; ++i)
                 for (int j = i + 1; j < 4; ++j)
                 {
+                    if (!regular.can_be_lowest(int(c), i, j))
+                        continue;
                     const int a = cell.vertices[i], b = cell.vertices[j];
                     const Ball &first = balls[a], &second = balls[b];
                     const Vector axis = second.centre - first.centre;

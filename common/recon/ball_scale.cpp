@@ -92,7 +92,7 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
 }
 
 BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles,
-                       double noise)
+                       double noise, int threads)
 {
     const std::size_t m = spacing.subset.size();
     std::vector<char> clean(m);
@@ -109,14 +109,15 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
     const NeighbourSearch search(members);
     constexpr int around = 24;
     std::vector<double> cleanness(m);
-    for (std::size_t i = 0; i < m; ++i)
-    {
-        int indices[around];
-        double squared[around];
-        const int found = search.nearest(members[i], around, indices, squared);
-        for (int j = 0; j < found; ++j)
-            cleanness[i] += clean[indices[j]] ? 1.0 / found : 0;
-    }
+    parallel_for(m, threads, {},
+                 [&](std::size_t i)
+                 {
+                     int indices[around];
+                     double squared[around];
+                     const int found = search.nearest(members[i], around, indices, squared);
+                     for (int j = 0; j < found; ++j)
+                         cleanness[i] += clean[indices[j]] ? 1.0 / found : 0;
+                 });
     BallScale result;
     for (const int i : spacing.nearest)
         if (noise > 0 ? noise < 0.1 * spacing.fine[i] : cleanness[i] > 0.45)

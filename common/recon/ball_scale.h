@@ -35,7 +35,7 @@ struct BallScale
 /// where few have.
 /// \param noise standard deviation of the noise, which then decides between fine and coarse; 0 = unknown.
 BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles,
-                       double noise = 0);
+                       double noise = 0, int threads = 1);
 
 /// The scale that assumes samples without noise, for points already projected onto a surface.
 BallScale choose_fine_scale(const SampleSpacing& spacing);

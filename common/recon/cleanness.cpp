@@ -1,5 +1,6 @@
 #include <recon/cleanness.h>
 
+#include <recon/block_search.h>
 #include <recon/delaunay.h>
 #include <recon/parallel.h>
 #include <recon/polar_balls.h>
@@ -16,18 +17,20 @@ bool has_clean_poles(const Vector& first, const Vector& second, double eighth)
     return -first.dot(second) > 0.8 * first.norm() * second.norm() && std::min(first.norm(), second.norm()) > 0.4 * eighth;
 }
 
-double measure_cleanness(const Points& samples, const NeighbourSearch& search, int threads)
+double measure_cleanness(const Points& samples, int threads)
 {
     constexpr int seeds = 200, around = 32;
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
     std::vector<int> clean(count, 0);
+    const BlockSearch search(samples);
     const auto examine = [&](std::size_t k)
     {
         const Point& centre = samples[k * stride];
         int indices[around];
         double squared[around];
-        const int found = search.nearest(centre, around, indices, squared);
+        double reach = 0;
+        const int found = search.nearest(centre, around, indices, squared, reach);
         if (found < 5)
             return;
         const double radius = std::sqrt(squared[found - 1]);

@@ -61,42 +61,81 @@ void append(std::vector<Item>& whole, const std::vector<Item>& part)
     whole.insert(whole.end(), part.begin(), part.end());
 }
 
+/// Cells with both labels. In the order of a coarse Z-order curve: cells are numbered by their balls, and a ball can touch both
+/// sides of a body, so that neighbours on the surface would lie far apart in memory.
+std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vector<Side>& labels)
+{
+    std::vector<int> found;
+    for (int c = 0; c < regular.finite_cells; ++c)
+    {
+        const auto& v = regular.cells[c].vertices;
+        const Side side = labels[v[0]];
+        if (labels[v[1]] != side || labels[v[2]] != side || labels[v[3]] != side)
+            found.push_back(c);
+    }
+    constexpr int bits = 6, steps = 1 << bits;
+    Eigen::AlignedBox3d box;
+    for (const int c : found)
+        box.extend(regular.centres[c]);
+    const double step = found.empty() ? 1 : box.sizes().maxCoeff() / steps;
+    const auto bucket = [&](const Point& p)
+    {
+        unsigned code = 0;
+        for (int k = 0; k < 3; ++k)
+        {
+            const int along = step > 0 ? std::clamp(int((p[k] - box.min()[k]) / step), 0, steps - 1) : 0;
+            for (int b = 0; b < bits; ++b)
+                code |= unsigned((along >> b) & 1) << (3 * b + k);
+        }
+        return code;
+    };
+    std::vector<unsigned> code;
+    code.reserve(found.size());
+    std::vector<int> first((std::size_t(1) << (3 * bits)) + 1, 0), sorted(found.size());
+    for (const int c : found)
+    {
+        code.push_back(bucket(regular.centres[c]));
+        ++first[code.back() + 1];
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    for (std::size_t i = 0; i < found.size(); ++i)
+        sorted[first[code[i]]++] = found[i];
+    return sorted;
+}
+
 } // namespace
 
 CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
+    const std::vector<int> mixed = list_mixed_cells(regular, labels);
     CrustPolygons result;
+    result.vertices.reserve(mixed.size());
+    result.ball.reserve(mixed.size());
     std::vector<int> vertex_of_cell(std::size_t(regular.finite_cells), -1);
-    for (int c = 0; c < regular.finite_cells; ++c)
+    for (const int c : mixed)
     {
-        const auto& v = regular.cells[c].vertices;
-        const auto is_outer = [&](int i) { return labels[v[i]] == Side::outer; };
-        const int outer = is_outer(0) + is_outer(1) + is_outer(2) + is_outer(3);
-        if (outer == 0 || outer == 4)
-            continue;
         vertex_of_cell[c] = int(result.vertices.size());
         result.vertices.push_back(regular.centres[c]);
-        result.ball.push_back(v[0]);
+        result.ball.push_back(regular.cells[c].vertices[0]);
     }
 
     struct Chunk
     {
         std::vector<int> size, corners;
     };
-    std::vector<Chunk> chunks(chunk_count(std::size_t(regular.finite_cells)));
+    std::vector<Chunk> chunks(chunk_count(mixed.size()));
     const auto list_chunk = [&](std::size_t begin, std::size_t end)
     {
         Chunk& chunk = chunks[begin / grain];
         std::vector<int> ring;
-        for (int c = int(begin); c < int(end); ++c)
+        for (std::size_t m = begin; m < end; ++m)
         {
-            if (vertex_of_cell[c] < 0)
-                continue;
+            const int c = mixed[m];
             const auto& v = regular.cells[c].vertices;
             for (int i = 0; i < 4; ++i)
                 for (int j = 0; j < 4; ++j)
                 {
-                    if (labels[v[i]] != Side::inner || labels[v[j]] != Side::outer)
+                    if (labels[v[i]] != Side::inner || labels[v[j]] != Side::outer || !regular.can_be_lowest(c, i, j))
                         continue;
                     if (!regular.list_ring_from_lowest(c, v[i], v[j], ring))
                         continue;
@@ -106,7 +145,7 @@ CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vecto
                 }
         }
     };
-    parallel_chunks(std::size_t(regular.finite_cells), threads, grain, {}, list_chunk);
+    parallel_chunks(mixed.size(), threads, grain, {}, list_chunk);
     for (const Chunk& chunk : chunks)
     {
         for (const int size : chunk.size)

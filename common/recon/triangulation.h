@@ -41,6 +41,16 @@ struct Triangulation
     /// infinite ones. Replaces the content of `ring`.
     void list_ring(int cell, int a, int b, std::vector<int>& ring) const;
 
+    /// False if a cell beside `cell` in the ring around the edge of its vertices at positions i and j is infinite or of lower index.
+    bool can_be_lowest(int cell, int i, int j) const
+    {
+        const auto& neighbours = cells[cell].neighbours;
+        for (int k = 0; k < 4; ++k)
+            if (k != i && k != j && (neighbours[k] < cell || neighbours[k] >= finite_cells))
+                return false;
+        return true;
+    }
+
     /// The same if `cell` has the lowest index of the ring and all of it is finite; else returns false early. So that a
     /// walk over all cells meets every bounded edge once.
     bool list_ring_from_lowest(int cell, int a, int b, std::vector<int>& ring) const;
