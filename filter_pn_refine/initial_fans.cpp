@@ -29,16 +29,13 @@ struct CreaseRule
     double least_agreement;
 };
 
-/// The fan over the k nearest.
-FanOfSample find_fan(const OrientedSamples& samples, const NeighbourSearch& search, int i, int k,
-                     const CreaseRule& rule, double& reach, LocalPoints& local, Ring& ring)
+/// The fan over the nearest. \param reach the distance to the farthest of them.
+FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, int found, const CreaseRule& rule,
+                     double& reach, LocalPoints& local, Ring& ring)
 {
-    int nearest[most_nearest];
-    double squared[most_nearest];
     std::int32_t hits[most_nearest + 2 * lane_count];
     const Point& p = samples.points[std::size_t(i)];
-    const int found = search.nearest(p, k, nearest, squared);
-    reach = found > 0 ? std::sqrt(squared[found - 1]) : 0;
+    reach = (samples.points[std::size_t(nearest[found - 1])] - p).norm();
     FanOfSample fan;
     if (!(reach > 0))
         return fan;
@@ -88,8 +85,8 @@ FanOfSample find_fan(const OrientedSamples& samples, const NeighbourSearch& sear
 } // namespace
 
 InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search,
-                              const std::vector<char>& is_crease, double crease_angle, double factor, int threads,
-                              const Progress& progress)
+                              const NearestTable& nearest, const std::vector<char>& is_crease, double crease_angle,
+                              double factor, int threads, const Progress& progress)
 {
     const CreaseRule rule{is_crease, std::cos(crease_angle)};
     const int n = int(samples.points.size());
@@ -102,9 +99,14 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSea
             thread_local Ring ring;
             double reach = 0;
             // A fan that is closed well within the points looked at cannot gain a member from those beyond.
-            fans[i] = find_fan(samples, search, int(i), std::min(n, 24), rule, reach, local, ring);
-            if (n > 24 && (fans[i].widest_gap > 1.92 || reach < 1.5 * fans[i].farthest))
-                fans[i] = find_fan(samples, search, int(i), std::min(n, 64), rule, reach, local, ring);
+            fans[i] = find_fan(samples, int(i), nearest.of(i), nearest.count, rule, reach, local, ring);
+            if (n > nearest.count && (fans[i].widest_gap > 1.92 || reach < 1.5 * fans[i].farthest))
+            {
+                int more[most_nearest];
+                double squared[most_nearest];
+                const int found = search.nearest(samples.points[i], std::min(n, most_nearest), more, squared);
+                fans[i] = find_fan(samples, int(i), more, found, rule, reach, local, ring);
+            }
         },
         64);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "nearest_table.h"
+
 #include <recon/geometry.h>
 #include <recon/neighbours.h>
 #include <recon/progress.h>
@@ -19,11 +21,12 @@ struct InitialFans
 };
 
 /// Finds for each point the fan of the accurate neighbourhood (section 4.2) over its 24 nearest points, or 64 where
-/// those do not close it. `search` is over `samples.points`. \param factor radius in distances to the farthest of the
+/// those do not close it. `search` and
+/// `nearest` are of `samples.points`. \param factor radius in distances to the farthest of the
 /// fan. \param is_crease per sample: shares its position. Near such samples neighbours' normals must agree within
 /// `crease_angle` [radians].
 InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search,
-                              const std::vector<char>& is_crease, double crease_angle, double factor, int threads,
-                              const Progress& progress);
+                              const NearestTable& nearest, const std::vector<char>& is_crease, double crease_angle,
+                              double factor, int threads, const Progress& progress);
 
 } // namespace recon::pn

@@ -87,6 +87,10 @@ PN_INLINE float largest(Floats v)
 {
     return _mm512_reduce_max_ps((__m512)v);
 }
+PN_INLINE int largest(Ints v)
+{
+    return _mm512_reduce_max_epi32((__m512i)v);
+}
 PN_INLINE Floats root(Floats v)
 {
     return (Floats)_mm512_sqrt_ps((__m512)v);
@@ -114,6 +118,15 @@ PN_INLINE Floats permute(Floats v, Ints places)
 PN_INLINE Ints permute(Ints v, Ints places)
 {
     return (Ints)_mm512_permutexvar_epi32((__m512i)places, (__m512i)v);
+}
+/// The same from 32 lanes: those of w follow those of v.
+PN_INLINE Floats permute(Floats v, Ints places, Floats w)
+{
+    return (Floats)_mm512_permutex2var_ps((__m512)v, (__m512i)places, (__m512)w);
+}
+PN_INLINE Ints permute(Ints v, Ints places, Ints w)
+{
+    return (Ints)_mm512_permutex2var_epi32((__m512i)v, (__m512i)places, (__m512i)w);
 }
 PN_INLINE Floats gather(const float* from, Ints places)
 {
@@ -214,9 +227,10 @@ PN_INLINE Floats smaller(Floats a, Floats b)
 {
     return a < b ? a : b;
 }
-PN_INLINE float largest(Floats v)
+template <class Vector>
+PN_INLINE auto largest(Vector v)
 {
-    alignas(64) float x[lane_count];
+    alignas(64) std::remove_reference_t<decltype(v[0])> x[lane_count];
     store(x, v);
     for (int step = lane_count / 2; step > 0; step /= 2)
         for (int i = 0; i < step; ++i)
@@ -247,6 +261,11 @@ template <class Vector>
 PN_INLINE Vector permute(Vector v, Ints places)
 {
     return __builtin_shuffle(v, places);
+}
+template <class Vector>
+PN_INLINE Vector permute(Vector v, Ints places, Vector w)
+{
+    return __builtin_shuffle(v, w, places);
 }
 PN_INLINE Floats gather(const float* from, Ints places)
 {
@@ -293,11 +312,10 @@ PN_INLINE Ints order_of(Mask m, Floats v)
     keys = select(first_lanes(n), keys, all(0x7FFFFFFF));
     return sort_lanes(keys, n) & 15;
 }
-/// Of the lanes in the mask (not none) one with the largest value.
+/// Of the lanes in the mask (not none) one with the largest value, to 19 bits; values >= 0.
 PN_INLINE int largest_lane(Mask m, Floats v)
 {
-    const Floats masked = select(m, v, all(-1e30f));
-    return first_of(equal(masked, all(largest(masked))) & m);
+    return largest(select(m, (bits_of(v) & ~15) | lane_numbers, Ints{})) & 15;
 }
 /// The lane after each of the first n, cyclically.
 PN_INLINE Ints successors(int n)

@@ -39,7 +39,7 @@ struct Leaf
     int size() const { return end - begin; }
 };
 
-constexpr int leaf_capacity = 48;
+constexpr int leaf_capacity = 64;
 
 /// Points as rows of single-precision numbers, relative to the centre of their leaf's box. Whole vectors may be read
 /// beyond the last.

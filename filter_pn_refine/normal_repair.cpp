@@ -8,22 +8,15 @@
 namespace recon::pn
 {
 
-std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const NeighbourSearch& search, int threads,
+std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const NearestTable& nearest, int threads,
                                             const Progress& progress)
 {
     const std::size_t n = samples.points.size();
-    constexpr int k = 13; // itself and 12 others
+    const int k = std::min(nearest.count, 13); // itself and 12 others
     std::vector<char> is_turned(n, 0), contradicts(n, 0);
-    std::vector<int> nearest(n * k, -1);
-    parallel_for(n, threads, progress.part(0, 0.8, "normals"),
-                 [&](std::size_t i)
-                 {
-                     double squared[k];
-                     search.nearest(samples.points[i], k, &nearest[i * k], squared);
-                 });
     for (int round = 0; round < 8; ++round)
     {
-        parallel_for(n, threads, progress.part(0.8 + 0.02 * round, 0.82 + 0.02 * round, "normals"),
+        parallel_for(n, threads, progress.part(0.125 * round, 0.125 * (round + 1), "normals"),
                      [&](std::size_t i)
                      {
                          // Only neighbours that lie in both tangent planes vote: the other side of a thin part has
@@ -31,8 +24,8 @@ std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const Neig
                          double agree = 0, contradict = 0;
                          for (int m = 0; m < k; ++m)
                          {
-                             const int j = nearest[i * k + std::size_t(m)];
-                             if (j < 0 || j == int(i))
+                             const int j = nearest.of(i)[m];
+                             if (j == int(i))
                                  continue;
                              const Vector d = samples.points[std::size_t(j)] - samples.points[i];
                              const double length = d.norm();

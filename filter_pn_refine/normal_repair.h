@@ -1,7 +1,8 @@
 #pragma once
 
+#include "nearest_table.h"
+
 #include <recon/geometry.h>
-#include <recon/neighbours.h>
 #include <recon/progress.h>
 
 #include <vector>
@@ -11,7 +12,7 @@ namespace recon::pn
 
 /// Turns unit normals that clearly contradict those of the nearest points on the same sheet, until none is left (at
 /// most eight rounds). A cloud that is inside out as a whole stays so. \returns the indices turned, ascending.
-std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const NeighbourSearch& search, int threads,
+std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const NearestTable& nearest, int threads,
                                             const Progress& progress);
 
 } // namespace recon::pn

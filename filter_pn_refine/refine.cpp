@@ -122,19 +122,26 @@ public:
             throw InvalidInput("No point has a normal: compute normals first.");
         std::unique_ptr<NeighbourSearch> search = std::make_unique<NeighbourSearch>(usable.samples.points);
         if (options_.repair_normals)
-            repair(usable, *search, progress.part(0.03, 0.06, "normals"));
+            repair(usable, progress.part(0.03, 0.06, "normals"));
         times.begin("radii");
         if (options_.detect_creases)
         {
             result_.crease_points =
                 put_in(usable, detect_creases(usable, *search, options_.crease_angle * radians), true);
             search = std::make_unique<NeighbourSearch>(usable.samples.points);
+            usable.nearest = find_nearest(usable.samples.points, *search, threads_);
         }
-        InitialFans fans = find_initial_fans(usable.samples, *search, usable.is_crease, options_.crease_angle * radians,
-                                             1.5, threads_, progress.part(0.06, 0.15, "radii"));
+        InitialFans fans =
+            find_initial_fans(usable.samples, *search, usable.nearest, usable.is_crease,
+                              options_.crease_angle * radians, 1.5, threads_, progress.part(0.06, 0.15, "radii"));
         if (options_.hole_radius > 0 && fill(usable, fans))
-            fans = find_initial_fans(usable.samples, NeighbourSearch(usable.samples.points), usable.is_crease,
+        {
+            search = std::make_unique<NeighbourSearch>(usable.samples.points);
+            usable.nearest = find_nearest(usable.samples.points, *search, threads_);
+            fans = find_initial_fans(usable.samples, *search, usable.nearest, usable.is_crease,
                                      options_.crease_angle * radians, 1.5, threads_, {});
+        }
+        usable.nearest = {};
         find_segments(usable, fans);
         start(usable, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
@@ -158,9 +165,9 @@ public:
     }
 
 private:
-    void repair(UsableSamples& usable, const NeighbourSearch& search, const Progress& progress)
+    void repair(UsableSamples& usable, const Progress& progress)
     {
-        for (int i : turn_contradicting_normals(usable.samples, search, threads_, progress))
+        for (int i : turn_contradicting_normals(usable.samples, usable.nearest, threads_, progress))
             result_.turned_normals.push_back(usable.input[std::size_t(i)]);
         if (!result_.turned_normals.empty())
             result_.warnings.push_back(count_of(int(result_.turned_normals.size()), "normal was", "normals were") +

@@ -47,6 +47,23 @@ PN_INLINE void add_tangent(Floats ex, Floats ey, Floats ez, Floats nx, Floats ny
     z += (ez - s * nz) * g;
 }
 
+constexpr int new_member = 1 << 24; ///< Marks new points among the members of N'.
+
+/// N', sorted by angle, in the frame of the refined point. Members are local points.
+struct Front
+{
+    int count;
+    Mask dead;      ///< Gaps that nothing can fill.
+    float farthest; ///< [radii] Of more members than the vectors hold.
+    Floats angle, x, y, z, nx, ny, nz;
+    Ints member;
+};
+struct NewMember
+{
+    float angle, x, y, z, nx, ny, nz;
+    int member;
+};
+
 struct PointRefiner
 {
     const RefineStep& step;
@@ -142,12 +159,6 @@ struct PointRefiner
         }
     }
 
-    void join_near_reach(int arrival)
-    {
-        w.arrivals.free[arrival / lane_count] &= ~(1u << arrival % lane_count);
-        w.arrivals.reach[arrival] = w.arrivals.near_reach[arrival];
-    }
-
     /// N' begins with the old and new points nearer than lambda_1.
     PN_INLINE void start_front(const Centre& c, const Ring& ring, Arrivals& a, Front& f)
     {
@@ -161,26 +172,11 @@ struct PointRefiner
             const int n_old = count_of(old), n = n_old + count_of(fresh);
             if (n <= lane_count)
             {
-                const Ints behind = lane_numbers - n_old;
-                const Mask front = first_lanes(n_old);
-                const auto merge = [&](const float* p, const float* q) {
-                    return select(front, compress(old, load<Floats>(p)),
-                                  permute(compress(fresh, load<Floats>(q)), behind));
-                };
-                const Floats angle = merge(ring.angle, a.angle);
-                const Ints order = order_of(first_lanes(n), angle);
-                const auto put = [&](float* to, const float* p, const float* q)
-                { store(to, permute(merge(p, q), order)); };
-                store(f.angle, permute(angle, order));
-                put(f.x, ring.x, a.x);
-                put(f.y, ring.y, a.y);
-                put(f.z, ring.z, a.z);
-                put(f.nx, ring.nx, a.nx);
-                put(f.ny, ring.ny, a.ny);
-                put(f.nz, ring.nz, a.nz);
-                const Ints member = select(front, compress(old, lane_numbers),
-                                           permute(compress(fresh, lane_numbers + ring_capacity), behind));
-                store(f.member, permute(member, order));
+                const Ints entries = select(first_lanes(n_old), compress(old, lane_numbers),
+                                            permute(compress(fresh, lane_numbers + lane_count), lane_numbers - n_old));
+                const Ints order =
+                    order_of(first_lanes(n), permute(load<Floats>(ring.angle), entries, load<Floats>(a.angle)));
+                take_entries(ring, a, permute(entries, order), f);
                 f.count = n;
                 if (a.count > 0)
                 {
@@ -193,117 +189,135 @@ struct PointRefiner
         start_crowded_front(c, ring, a, f);
     }
 
+    /// Members from the first vectors of the ring and (16 and more) of the arrivals.
+    static PN_INLINE void take_entries(const Ring& ring, const Arrivals& a, Ints entries, Front& f)
+    {
+        const auto take = [&](const float* p, const float* q)
+        { return permute(load<Floats>(p), entries, load<Floats>(q)); };
+        f.angle = take(ring.angle, a.angle);
+        f.x = take(ring.x, a.x);
+        f.y = take(ring.y, a.y);
+        f.z = take(ring.z, a.z);
+        f.nx = take(ring.nx, a.nx);
+        f.ny = take(ring.ny, a.ny);
+        f.nz = take(ring.nz, a.nz);
+        f.member = permute(load<Ints>(ring.source), entries, load<Ints>(a.source) | new_member);
+    }
+
     /// The same for more than a vector holds: the nearest in each sector are enough to find gaps, but all are in reach.
     void start_crowded_front(const Centre& c, const Ring& ring, Arrivals& a, Front& f)
     {
         alignas(64) float angles[2 * ring_capacity], lengths[2 * ring_capacity], kept_angles[lane_count];
-        std::int32_t members[2 * ring_capacity];
+        std::int32_t entries[2 * ring_capacity]; // of the arrivals from ring_capacity on
         int n = 0;
-        for (int k = 0; k < ring.count; ++k)
-            if (ring.length[k] <= LocalRules::near)
-            {
-                angles[n] = ring.angle[k];
-                lengths[n] = ring.length[k];
-                members[n++] = k;
-            }
-        for (int k = 0; k < a.count; ++k)
-            if ((a.free[k / lane_count] >> k % lane_count & 1) && a.length[k] <= LocalRules::near)
-            {
-                angles[n] = a.angle[k];
-                lengths[n] = a.length[k];
-                members[n++] = ring_capacity + k;
-                join_near_reach(k);
-            }
+        for (int k = 0; k < ring.count; k += lane_count)
+        {
+            const Mask near =
+                at_most(load<Floats>(ring.length + k), all(LocalRules::near)) & first_lanes(ring.count - k);
+            store(angles + n, compress(near, load<Floats>(ring.angle + k)));
+            store(lengths + n, compress(near, load<Floats>(ring.length + k)));
+            store(entries + n, compress(near, lane_numbers + k));
+            n += count_of(near);
+        }
+        for (int k = 0; k < a.count; k += lane_count)
+        {
+            const Mask near = at_most(load<Floats>(a.length + k), all(LocalRules::near)) & a.free[k / lane_count];
+            store(angles + n, compress(near, load<Floats>(a.angle + k)));
+            store(lengths + n, compress(near, load<Floats>(a.length + k)));
+            store(entries + n, compress(near, lane_numbers + (ring_capacity + k)));
+            store(a.reach + k, select(near, load<Floats>(a.near_reach + k), load<Floats>(a.reach + k)));
+            a.free[k / lane_count] &= ~near;
+            n += count_of(near);
+        }
+        const auto member_of = [&](int entry)
+        { return entry >= ring_capacity ? a.source[entry - ring_capacity] | new_member : ring.source[entry]; };
         const float* kept = angles;
         if (n > lane_count)
         {
             f.farthest = *std::max_element(lengths, lengths + n);
             for (int k = 0; k < n; ++k)
-                raise_radius(members[k], std::min(lengths[k] * hair, LocalRules::shrink) / c.inverse_radius);
-            n = thin_to_sectors(angles, lengths, members, n, kept_angles);
+                raise_radius(member_of(entries[k]), std::min(lengths[k] * hair, LocalRules::shrink) / c.inverse_radius);
+            n = thin_to_sectors(angles, lengths, entries, n, kept_angles);
             kept = kept_angles;
         }
-        int order[lane_count];
-        for (int k = 0; k < n; ++k)
-        {
-            int place = k;
-            for (; place > 0 && kept[order[place - 1]] > kept[k]; --place)
-                order[place] = order[place - 1];
-            order[place] = k;
-        }
+        const Ints order = order_of(first_lanes(n), load<Floats>(kept));
         f.count = n;
         for (int k = 0; k < n; ++k)
         {
+            const int entry = entries[order[k]], i = entry % ring_capacity;
+            const bool is_new = entry >= ring_capacity;
             f.angle[k] = kept[order[k]];
-            set_member(f, k, members[order[k]]);
+            f.x[k] = is_new ? a.x[i] : ring.x[i];
+            f.y[k] = is_new ? a.y[i] : ring.y[i];
+            f.z[k] = is_new ? a.z[i] : ring.z[i];
+            f.nx[k] = is_new ? a.nx[i] : ring.nx[i];
+            f.ny[k] = is_new ? a.ny[i] : ring.ny[i];
+            f.nz[k] = is_new ? a.nz[i] : ring.nz[i];
+            f.member[k] = member_of(entry);
         }
-    }
-
-    void set_member(Front& f, int k, int member) const
-    {
-        f.member[k] = member;
-        const bool is_new = member >= ring_capacity;
-        const int i = is_new ? member - ring_capacity : member;
-        const Ring& r = w.ring;
-        const Arrivals& a = w.arrivals;
-        f.x[k] = is_new ? a.x[i] : r.x[i];
-        f.y[k] = is_new ? a.y[i] : r.y[i];
-        f.z[k] = is_new ? a.z[i] : r.z[i];
-        f.nx[k] = is_new ? a.nx[i] : r.nx[i];
-        f.ny[k] = is_new ? a.ny[i] : r.ny[i];
-        f.nz[k] = is_new ? a.nz[i] : r.nz[i];
     }
 
     /// Gaps of N' in the tangent plane.
     static PN_INLINE Floats plane_gaps(const Front& f)
     {
-        const Floats angle = load<Floats>(f.angle);
-        return permute(angle, successors(f.count)) - angle + select(1u << (f.count - 1), all(6.28318531f), Floats{});
+        return permute(f.angle, successors(f.count)) - f.angle +
+               select(1u << (f.count - 1), all(6.28318531f), Floats{});
     }
 
     /// The angles that the curves between them sweep (eq. 5), where that matters.
-    static PN_INLINE Floats measure_gaps(const Front& f, bool curved)
+    static PN_INLINE Floats measure_gaps(const Front& f, Floats plane, bool curved)
     {
-        const Floats plane = plane_gaps(f);
         // The curve bends an angle by far less than what lies outside these limits.
         const Mask unsure = at_most(all(0.9f), plane) & at_most(plane, all(2.6f)) & first_lanes(f.count);
         if (!curved || unsure == 0)
             return plane;
         const Ints next = successors(f.count);
-        const Floats ax = load<Floats>(f.x), ay = load<Floats>(f.y), az = load<Floats>(f.z);
-        const Floats anx = load<Floats>(f.nx), any = load<Floats>(f.ny), anz = load<Floats>(f.nz);
-        const Floats bx = permute(ax, next), by = permute(ay, next), bz = permute(az, next);
-        const Floats ex = bx - ax, ey = by - ay, ez = bz - az;
-        Floats cx = ax, cy = ay, cz = az, dx = bx, dy = by, dz = bz;
-        add_tangent(ex, ey, ez, anx, any, anz, cx, cy, cz);
-        add_tangent(-ex, -ey, -ez, permute(anx, next), permute(any, next), permute(anz, next), dx, dy, dz);
+        const Floats bx = permute(f.x, next), by = permute(f.y, next), bz = permute(f.z, next);
+        const Floats ex = bx - f.x, ey = by - f.y, ez = bz - f.z;
+        Floats cx = f.x, cy = f.y, cz = f.z, dx = bx, dy = by, dz = bz;
+        add_tangent(ex, ey, ez, f.nx, f.ny, f.nz, cx, cy, cz);
+        add_tangent(-ex, -ey, -ez, permute(f.nx, next), permute(f.ny, next), permute(f.nz, next), dx, dy, dz);
         const auto angle = [](Floats px, Floats py, Floats pz, Floats qx, Floats qy, Floats qz)
         {
             const Floats rx = py * qz - pz * qy, ry = pz * qx - px * qz, rz = px * qy - py * qx;
             return angle_of(px * qx + py * qy + pz * qz, root(rx * rx + ry * ry + rz * rz));
         };
         const Floats swept =
-            angle(ax, ay, az, cx, cy, cz) + angle(cx, cy, cz, dx, dy, dz) + angle(dx, dy, dz, bx, by, bz);
+            angle(f.x, f.y, f.z, cx, cy, cz) + angle(cx, cy, cz, dx, dy, dz) + angle(dx, dy, dz, bx, by, bz);
         return select(unsure, swept, plane);
     }
 
-    /// Lets an arrival join N' where its angle belongs.
-    PN_INLINE void join(int arrival, Front& f)
+    /// Puts a point into N' where its angle belongs.
+    static PN_INLINE void join(const NewMember& m, bool curved, Front& f)
     {
-        const float angle = w.arrivals.angle[arrival];
         const int n = f.count;
-        const int at = count_of(at_most(load<Floats>(f.angle), all(angle)) & first_lanes(n));
-        const Ints places = lane_numbers + select(first_lanes(at + 1), Ints{}, all(-1));
-        for (float* values : {f.angle, f.x, f.y, f.z, f.nx, f.ny, f.nz})
-            store(values, permute(load<Floats>(values), places));
-        store(f.member, permute(load<Ints>(f.member), places));
+        const int at = count_of(at_most(f.angle, all(m.angle)) & first_lanes(n));
+        const Mask lane = 1u << at, lower = lane - 1;
+        const Ints places = lane_numbers + select(lower, Ints{}, all(-1));
+        const auto put = [&](Floats& values, float value)
+        { values = select(lane, all(value), permute(values, places)); };
+        put(f.angle, m.angle);
+        put(f.x, m.x);
+        put(f.y, m.y);
+        put(f.z, m.z);
+        if (curved)
+        {
+            put(f.nx, m.nx);
+            put(f.ny, m.ny);
+            put(f.nz, m.nz);
+        }
+        f.member = select(lane, all(m.member), permute(f.member, places));
         f.count = n + 1;
-        f.angle[at] = angle;
-        set_member(f, at, ring_capacity + arrival);
-        join_near_reach(arrival);
-        const Mask lower = first_lanes(at);
-        f.dead = (f.dead & lower) | (f.dead & ~lower) << 1;
-        f.dead &= ~(1u << at | 1u << (at == 0 ? n : at - 1));
+        f.dead = ((f.dead & lower) | (f.dead & ~lower) << 1) & ~(lane | 1u << (at == 0 ? n : at - 1));
+    }
+
+    /// Lets an arrival join N'.
+    PN_INLINE void join_arrival(int k, bool curved, Front& f)
+    {
+        Arrivals& a = w.arrivals;
+        a.free[k / lane_count] &= ~(1u << k % lane_count);
+        a.reach[k] = a.near_reach[k];
+        join({a.angle[k], a.x[k], a.y[k], a.z[k], a.nx[k], a.ny[k], a.nz[k], a.source[k] | new_member}, curved, f);
     }
 
     /// Whether a new point may not lie at (x, y, z): too near an old or a new point, or inside the discard space.
@@ -329,151 +343,159 @@ struct PointRefiner
     }
 
     /// How well directions halve the gap: the smaller of the two parts.
-    static PN_INLINE Floats halving(Floats angle, float start, float width)
+    static PN_INLINE Floats halving(Floats angle, Floats start, Floats width)
     {
         Floats t = angle - start;
         t = select(below(t, Floats{}), t + 6.28318531f, t);
         return smaller(t, width - t);
     }
 
+    /// The new point in the gap nearest to (x, y, z), -1 if there is none.
+    PN_INLINE int nearest_arrival(Floats start, Floats width, float x, float y, float z) const
+    {
+        const Arrivals& a = w.arrivals;
+        int best = -1;
+        float nearest = 1e30f;
+        for (int k = 0; k < a.count; k += lane_count)
+        {
+            const Mask there = a.free[k / lane_count] &
+                               at_most(all(LocalRules::least_turn), halving(load<Floats>(a.angle + k), start, width));
+            if (there == 0)
+                continue;
+            const Floats dx = load<Floats>(a.x + k) - x, dy = load<Floats>(a.y + k) - y, dz = load<Floats>(a.z + k) - z;
+            const Floats d2 = dx * dx + dy * dy + dz * dz;
+            const int lane = largest_lane(there, 4 - d2);
+            if (d2[lane] < nearest)
+            {
+                nearest = d2[lane];
+                best = k + lane;
+            }
+        }
+        return best;
+    }
+
+    /// The new point that halves the gap best, -1 if none does.
+    PN_INLINE int halving_arrival(Floats start, Floats width) const
+    {
+        const Arrivals& a = w.arrivals;
+        int best = -1;
+        float best_score = LocalRules::least_turn;
+        for (int k = 0; k < a.count; k += lane_count)
+        {
+            const Floats scores = halving(load<Floats>(a.angle + k), start, width);
+            if (const Mask there = a.free[k / lane_count] & below(all(best_score), scores); there != 0)
+            {
+                const int lane = largest_lane(there, scores);
+                best = k + lane;
+                best_score = scores[lane];
+            }
+        }
+        return best;
+    }
+
     /// Fills the gaps of N' wider than theta_c. \returns true if one stays open.
     PN_INLINE bool fill_gaps(const Centre& c, int own, bool curved, Front& f)
     {
         Candidates& candidates = w.candidates;
-        Arrivals& arrivals = w.arrivals;
         bool is_open = false;
-        Floats gaps = f.count > 0 ? measure_gaps(f, curved) : Floats{};
+        Floats plane = f.count > 0 ? plane_gaps(f) : all(6.28318531f);
+        Floats gaps = f.count > 0 ? measure_gaps(f, plane, curved) : plane;
         while (f.count < lane_count)
         {
-            const int n = f.count;
-            float start = 0, width = 6.28318531f;
-            int widest = 0;
-            if (n > 0)
-            {
-                const Mask wide = below(all(LocalRules::complete_angle), gaps) & first_lanes(n) & ~f.dead;
-                if (wide == 0)
-                    return is_open;
-                widest = largest_lane(wide, gaps);
-                start = f.angle[widest];
-                width = widest + 1 < n ? f.angle[widest + 1] - start : f.angle[0] - start + 6.28318531f;
-            }
+            const Mask wide =
+                below(all(LocalRules::complete_angle), gaps) & first_lanes(std::max(f.count, 1)) & ~f.dead;
+            if (wide == 0)
+                return is_open;
+            const int widest = largest_lane(wide, gaps);
+            const Floats start = f.count > 0 ? permute(f.angle, all(widest)) : Floats{},
+                         width = permute(plane, all(widest));
             // The candidate in the gap's sector that halves it best.
-            const Floats least = all(LocalRules::least_turn);
             const Floats score = halving(load<Floats>(candidates.angle), start, width);
-            if (const Mask fitting = candidates.usable & below(least, score); fitting != 0)
+            if (const Mask fitting = candidates.usable & below(all(LocalRules::least_turn), score); fitting != 0)
             {
                 const int best = largest_lane(fitting, score);
                 candidates.usable &= ~(1u << best);
                 const float x = candidates.x[best], y = candidates.y[best], z = candidates.z[best];
-                int joining = -1;
                 if (!is_discarded(x, y, z))
-                    joining = insert(c, own, best);
+                {
+                    if (w.arrivals.count >= ring_capacity)
+                        continue;
+                    join(insert(c, own, best), curved, f);
+                }
                 else
                 {
                     // The nearest of the new points in this gap takes its place.
-                    float nearest = 1e30f;
-                    for (int k = 0; k < arrivals.count; k += lane_count)
-                    {
-                        const Mask there = arrivals.free[k / lane_count] &
-                                           at_most(least, halving(load<Floats>(arrivals.angle + k), start, width));
-                        if (there == 0)
-                            continue;
-                        const Floats dx = load<Floats>(arrivals.x + k) - x, dy = load<Floats>(arrivals.y + k) - y,
-                                     dz = load<Floats>(arrivals.z + k) - z, d2 = dx * dx + dy * dy + dz * dz;
-                        const int lane = largest_lane(there, -d2);
-                        if (d2[lane] < nearest)
-                        {
-                            nearest = d2[lane];
-                            joining = k + lane;
-                        }
-                    }
+                    const int nearest = nearest_arrival(start, width, x, y, z);
+                    if (nearest < 0)
+                        continue;
+                    join_arrival(nearest, curved, f);
                 }
-                if (joining >= 0)
-                {
-                    join(joining, f);
-                    gaps = measure_gaps(f, curved);
-                }
+            }
+            else if (const int best = halving_arrival(start, width); best >= 0)
+                join_arrival(best, curved, f);
+            else
+            {
+                is_open = true;
+                f.dead |= 1u << widest;
                 continue;
             }
-            int best = -1;
-            float best_score = LocalRules::least_turn;
-            for (int k = 0; k < arrivals.count; k += lane_count)
-            {
-                const Floats scores = halving(load<Floats>(arrivals.angle + k), start, width);
-                if (const Mask there = arrivals.free[k / lane_count] & below(all(best_score), scores); there != 0)
-                {
-                    const int lane = largest_lane(there, scores);
-                    best = k + lane;
-                    best_score = scores[lane];
-                }
-            }
-            if (best >= 0)
-            {
-                join(best, f);
-                gaps = measure_gaps(f, curved);
-                continue;
-            }
-            is_open = true;
-            if (n == 0)
-                return true;
-            f.dead |= 1u << widest;
+            plane = plane_gaps(f);
+            gaps = measure_gaps(f, plane, curved);
         }
         return is_open;
     }
 
-    /// Makes a candidate a new point. \returns its place among the arrivals, -1 if there is no room.
-    PN_INLINE int insert(const Centre& c, int own, int candidate)
+    /// Makes a candidate a new point.
+    PN_INLINE NewMember insert(const Centre& c, int own, int candidate)
     {
         Arrivals& a = w.arrivals;
         const Candidates& from = w.candidates;
-        if (a.count >= ring_capacity)
-            return -1;
         const int next = candidate + 1 < w.fan.count ? candidate + 1 : 0;
         const float radius = 1 / c.inverse_radius, unit = float(1 / w.scale);
         const float x = from.x[candidate], y = from.y[candidate], z = from.z[candidate];
-        const float length = __builtin_sqrtf(x * x + y * y + z * z);
+        const float nx = from.nx[candidate], ny = from.ny[candidate], nz = from.nz[candidate];
+        const float own_radius = std::min(__builtin_sqrtf(x * x + y * y + z * z), LocalRules::shrink);
         LocalPoints& to = w.new_points;
         to.reserve(to.count + 1);
         const int j = to.count++;
+        if (j % lane_count == 0) // a new vector is begun
+            to.pad(j + 1);
         to.x[j] = x * radius + c.x;
         to.y[j] = y * radius + c.y;
         to.z[j] = z * radius + c.z;
-        to.nx[j] = from.nx[candidate];
-        to.ny[j] = from.ny[candidate];
-        to.nz[j] = from.nz[candidate];
-        const float own_radius = std::min(length, LocalRules::shrink);
+        to.nx[j] = nx;
+        to.ny[j] = ny;
+        to.nz[j] = nz;
         to.radius[j] = own_radius * radius;
         to.largest_radius[j] = LocalRules::shrink * radius;
         to.leaf[j] = leaf;
         to.index[j] = children.count();
-        to.pad(j + 1);
         const auto level_place = [&](int entry) { return w.old_points.index[w.ring.source[entry]]; };
         children.append({w.old_points.index[own], level_place(w.fan.entry[candidate]), level_place(w.fan.entry[next])},
-                        {to.x[j] * unit, to.y[j] * unit, to.z[j] * unit, to.nx[j], to.ny[j], to.nz[j],
-                         to.radius[j] * unit, to.largest_radius[j] * unit});
-        const int k = a.count++;
-        if (k % lane_count == 0) // a new vector is begun
+                        {to.x[j] * unit, to.y[j] * unit, to.z[j] * unit, nx, ny, nz, to.radius[j] * unit,
+                         to.largest_radius[j] * unit});
+        // It belongs to N', so only what keeps others away from it matters. Whole vectors are written, since they are
+        // read at once.
+        const int k = a.count++, first = k & ~(lane_count - 1);
+        if (k == first)
             a.free[k / lane_count] = 0;
-        a.source[k] = j;
-        a.x[k] = x;
-        a.y[k] = y;
-        a.z[k] = z;
-        a.nx[k] = from.nx[candidate];
-        a.ny[k] = from.ny[candidate];
-        a.nz[k] = from.nz[candidate];
-        a.length[k] = length;
-        a.angle[k] = from.angle[candidate];
-        a.near_reach[k] = std::max(LocalRules::discard_near * own_radius, least_distance);
-        return k;
+        const auto put = [&](float* values, float value)
+        { store(values + first, select(1u << (k - first), all(value), load<Floats>(values + first))); };
+        put(a.x, x);
+        put(a.y, y);
+        put(a.z, z);
+        put(a.reach, std::max(LocalRules::discard_near * own_radius, least_distance));
+        return {from.angle[candidate], x, y, z, nx, ny, nz, j | new_member};
     }
 
+    /// Raises the radius of a member of N' to this.
     PN_INLINE void raise_radius(int member, float radius)
     {
-        const bool is_new = member >= ring_capacity;
-        const int source = is_new ? w.arrivals.source[member - ring_capacity] : w.ring.source[member];
-        float& old = is_new ? w.new_points.radius[source] : w.next[std::size_t(source)];
+        const int source = member & ~new_member;
+        const LocalPoints& points = member & new_member ? w.new_points : w.old_points;
+        float* const raised = (member & new_member ? w.new_points.radius : w.next.data()) + source;
         // Nor may a point with a large radius, at the rim of a hole, raise those of all others around it.
-        old = std::max(old, std::min(radius, (is_new ? w.new_points : w.old_points).largest_radius[source]));
+        *raised = std::max(*raised, std::min(radius, points.largest_radius[source]));
     }
 
     PN_INLINE void write_radii(int own, const Centre& c, bool is_open, const Front& f)
@@ -483,19 +505,19 @@ struct PointRefiner
         const float radius = 1 / c.inverse_radius;
         if (const int n = f.count; n > 0)
         {
-            const Mask valid = first_lanes(n);
-            const Floats x = load<Floats>(f.x), y = load<Floats>(f.y), z = load<Floats>(f.z);
-            const Floats d2 = select(valid, x * x + y * y + z * z, Floats{});
+            const Floats d2 = select(first_lanes(n), f.x * f.x + f.y * f.y + f.z * f.z, Floats{});
             radius2 = std::max(radius2, largest(d2));
             const Ints next = successors(n);
-            const Floats dx = permute(x, next) - x, dy = permute(y, next) - y, dz = permute(z, next) - z;
+            const Floats dx = permute(f.x, next) - f.x, dy = permute(f.y, next) - f.y, dz = permute(f.z, next) - f.z;
             const Floats after = select(~f.dead & 0xFFFFu, dx * dx + dy * dy + dz * dz, Floats{});
             const Floats before = permute(after, select(1u, all(n - 1), lane_numbers - 1));
             const Floats reach2 = larger(d2, larger(after, before));
             alignas(64) float raised[lane_count];
+            alignas(64) std::int32_t members[lane_count];
             store(raised, smaller(root(reach2) * hair, all(LocalRules::shrink)) * radius);
+            store(members, f.member);
             for (int k = 0; k < n; ++k)
-                raise_radius(f.member[k], raised[k]);
+                raise_radius(members[k], raised[k]);
         }
         float& own_next = w.next[std::size_t(own)];
         own_next = std::max(own_next, std::min(__builtin_sqrtf(radius2) * hair, LocalRules::shrink) * radius);
@@ -537,12 +559,13 @@ struct PointRefiner
         fill_arrivals(w.new_points, c, hits, found, w.arrivals);
         if (w.has_creases)
             reject_other_side(w, c, step.least_crease_agreement, least_distance);
-        start_front(c, ring, w.arrivals, w.front);
-        const bool is_open = fill_gaps(c, own, accurate, w.front);
+        Front front;
+        start_front(c, ring, w.arrivals, front);
+        const bool is_open = fill_gaps(c, own, accurate, front);
         // A rim stays open: keeping the radius large there would only collect neighbours.
         const bool is_rim = fan_gap > step.boundary_angle;
         const bool is_large = old_points.radius[own] > LocalRules::largest_open * w.usual_radius;
-        write_radii(own, c, is_open && !is_rim && !is_large, w.front);
+        write_radii(own, c, is_open && !is_rim && !is_large, front);
         return is_open;
     }
 };

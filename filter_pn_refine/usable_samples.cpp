@@ -11,34 +11,36 @@ namespace recon::pn
 namespace
 {
 
-/// By the distance to the fourth nearest point elsewhere, which random clusters do not change much.
-std::vector<char> find_isolated(const Points& points, int threads)
+double distance(const Point& a, const Point& b)
 {
-    constexpr double far = 6; // times what is usual around
-    constexpr int k = 10;     // itself, up to three more normals at a corner, and those around
-    const NeighbourSearch search(points);
+    return (a - b).norm();
+}
+
+/// By the distance to the fourth nearest point elsewhere, which random clusters do not change much.
+std::vector<char> find_isolated(const Points& points, const NearestTable& nearest, int threads)
+{
+    constexpr double far = 6;                  // times what is usual around
+    const int k = std::min(nearest.count, 10); // itself, up to three more normals at a corner, and those around
     std::vector<double> distances(points.size(), 0);
-    std::vector<int> nearest(points.size() * k, -1);
     parallel_for(points.size(), threads, {},
                  [&](std::size_t i)
                  {
-                     double squared[k];
-                     const int found = search.nearest(points[i], k, &nearest[i * k], squared);
-                     for (int m = 0, elsewhere = 0; m < found; ++m)
-                         if (squared[m] == 0)
-                             nearest[i * k + std::size_t(m)] = -1;
-                         else if (elsewhere++ < 4)
-                             distances[i] = std::sqrt(squared[m]);
+                     for (int m = 0, elsewhere = 0; m < k && elsewhere < 4; ++m)
+                         if (const double d = distance(points[i], points[std::size_t(nearest.of(i)[m])]); d > 0)
+                         {
+                             distances[i] = d;
+                             ++elsewhere;
+                         }
                  });
     std::vector<char> is_isolated(points.size(), 0);
     parallel_for(points.size(), threads, {},
                  [&](std::size_t i)
                  {
-                     double around[k];
+                     double around[NearestTable::each];
                      int n = 0;
                      for (int m = 0; m < k; ++m)
-                         if (const int j = nearest[i * k + std::size_t(m)]; j >= 0)
-                             around[n++] = distances[std::size_t(j)];
+                         if (const auto j = std::size_t(nearest.of(i)[m]); distance(points[i], points[j]) > 0)
+                             around[n++] = distances[j];
                      if (n < 3)
                          return;
                      std::nth_element(around, around + n / 2, around + n);
@@ -101,7 +103,9 @@ UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFram
         sharing.push_back(first);
     }
 
-    const std::vector<char> is_isolated = find_isolated(samples.points, threads);
+    usable.nearest = find_nearest(samples.points, NeighbourSearch(samples.points), threads,
+                                  progress.part(0.3, 0.9, "choosing points"));
+    const std::vector<char> is_isolated = find_isolated(samples.points, usable.nearest, threads);
     progress.report(0.9);
     std::vector<int> kept_as(samples.points.size(), -1);
     for (std::size_t i = 0; i < samples.points.size(); ++i)
@@ -118,6 +122,8 @@ UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFram
         // Points at one place are isolated together or not at all.
         usable.sharing.push_back(kept_as[std::size_t(sharing[i])]);
     }
+    if (usable.isolated > 0 && !usable.input.empty())
+        usable.nearest = find_nearest(usable.samples.points, NeighbourSearch(usable.samples.points), threads);
     usable.is_crease.assign(usable.input.size(), 0);
     for (std::size_t i = 0; i < usable.input.size(); ++i)
         if (const auto first = std::size_t(usable.sharing[i]); first != i)

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "nearest_table.h"
+
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -17,6 +19,7 @@ struct UsableSamples
     std::vector<int>
         sharing; ///< Per sample: the first sample at the same position (a crease's first normal); itself mostly.
     std::vector<char> is_crease; ///< Per sample: shares its position with another.
+    NearestTable nearest;        ///< Of the samples.
     int duplicates = 0, without_normal = 0, isolated = 0;
 };
 

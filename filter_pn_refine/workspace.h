@@ -27,18 +27,6 @@ struct Candidates
     unsigned usable = 0; ///< Lanes that are candidates.
 };
 
-/// N', sorted by angle. Members are entries of the ring, or of the arrivals from `ring_capacity` on.
-struct Front
-{
-    int count = 0;
-    alignas(64) float angle[lane_count], gap[lane_count]; ///< Gap: to the next.
-    alignas(64) float x[lane_count], y[lane_count], z[lane_count];
-    alignas(64) float nx[lane_count], ny[lane_count], nz[lane_count];
-    alignas(64) std::int32_t member[lane_count];
-    unsigned dead = 0;  ///< Gaps that nothing can fill.
-    float farthest = 0; ///< [radii] Of more members than the vectors hold.
-};
-
 struct Workspace
 {
     LocalPoints old_points, new_points;
@@ -49,7 +37,6 @@ struct Workspace
     Fan fan;
     Arrivals arrivals;
     Candidates candidates;
-    Front front;
     Point centre;
     double scale = 1;
     float usual_radius = 0;   ///< Median of the leaf's points.
