@@ -12,9 +12,9 @@ namespace recon
 struct Orientation
 {
     Vectors normals;
-    Points poles; ///< Centres of large balls along the normals: points near the medial axis.
+    Points poles;            ///< Centres of large balls along the normals: points near the medial axis.
     double contradicted = 0; ///< Share of the weight of the constraints that the labels violate [0..1].
-    bool open = false;       ///< Both sides of most anchors see the outside: there is no inside.
+    bool open = false;       ///< Much of what would close the surface spans gaps: a sheet, which has no inside.
 };
 
 /// Chooses the sign of each normal from the Delaunay balls of the points (recipe step 6). Balls of neighbouring cells

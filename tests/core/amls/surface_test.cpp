@@ -243,6 +243,26 @@ TEST(AmlsSurface, ReportsWhatItFound)
     EXPECT_FALSE(report.seconds.empty());
 }
 
+TEST(AmlsSurface, TellsSheetsFromClosedSurfaces)
+{
+    for (const Shape& shape : smooth_shapes())
+    {
+        const Points& points = shape.samples.points;
+        EXPECT_FALSE(build_amls_surface(shapes::with_noise(points, 0.01, 45)).report().open) << shape.name;
+        // What one view from above shows, and what is left of the shape without a small part.
+        Points view, holed;
+        for (std::size_t i = 0; i < points.size(); ++i)
+        {
+            if (shape.samples.normals[i].z() > 0.1)
+                view.push_back(points[i]);
+            if (shape.samples.normals[i].z() < 0.9)
+                holed.push_back(points[i]);
+        }
+        EXPECT_TRUE(build_amls_surface(view).report().open) << shape.name;
+        EXPECT_FALSE(build_amls_surface(holed).report().open) << shape.name;
+    }
+}
+
 TEST(AmlsProjection, BringsFarPointsBack)
 {
     const AmlsSurface surface = build_amls_surface(shapes::with_noise(shapes::sphere(8000, 1, 31).points, 0.005, 32));
