@@ -1,5 +1,7 @@
 #include <recon/crust_repair.h>
 
+#include <recon/ball_link.h>
+
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -10,58 +12,13 @@ namespace recon
 namespace
 {
 
-Side opposite(Side side) { return side == Side::inner ? Side::outer : Side::inner; }
-
-/// Pieces into which the neighbours of a ball fall, by side, connected along the edges of its link (a sphere).
-class Link
+Side opposite(Side side)
 {
-public:
-    Link(const Triangulation& regular, const CellsAtVertices& at, int ball, const std::vector<Side>& labels)
-    {
-        for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
-        {
-            std::array<int, 3> corners;
-            int count = 0;
-            for (const int v : regular.cells[at.cell[k]].vertices)
-                if (v != ball && v != Triangulation::infinite)
-                    corners[count++] = number_of(v);
-            for (int i = 1; i < count; ++i)
-                for (int j = 0; j < i; ++j)
-                    if (labels[balls_[corners[i]]] == labels[balls_[corners[j]]])
-                        parent_[root(corners[i])] = root(corners[j]);
-        }
-    }
-    /// One ball of each piece on `side`.
-    std::vector<int> pieces(Side side, const std::vector<Side>& labels)
-    {
-        std::vector<int> result;
-        for (int i = 0; i < int(balls_.size()); ++i)
-            if (root(i) == i && labels[balls_[i]] == side)
-                result.push_back(balls_[i]);
-        return result;
-    }
+    return side == Side::inner ? Side::outer : Side::inner;
+}
 
-private:
-    int number_of(int ball)
-    {
-        const auto found = std::find(balls_.begin(), balls_.end(), ball);
-        if (found != balls_.end())
-            return int(found - balls_.begin());
-        balls_.push_back(ball);
-        parent_.push_back(int(parent_.size()));
-        return int(balls_.size()) - 1;
-    }
-    int root(int i)
-    {
-        while (parent_[i] != i)
-            i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    std::vector<int> balls_, parent_;
-};
-
-/// Whether the balls `seeds`, all on one side, are connected through that side without passing `excluded`. Searches from all
-/// of them in turn, so that it ends as soon as the smallest region is exhausted.
+/// Whether the balls `seeds`, all on one side, are connected through that side without passing `excluded`. Searches
+/// from all of them in turn, so that it ends as soon as the smallest region is exhausted.
 bool are_connected_without(int excluded, const std::vector<int>& seeds, const Triangulation& regular,
                            const CellsAtVertices& at, const std::vector<Side>& labels)
 {
@@ -115,7 +72,8 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
 
 } // namespace
 
-int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, double share, std::vector<Side>& labels)
+int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, double share,
+                   std::vector<Side>& labels)
 {
     const int n = int(labels.size());
     std::vector<int> parent(static_cast<std::size_t>(n));
@@ -127,20 +85,25 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
         return i;
     };
     std::vector<char> is_visible(std::size_t(n), 0);
+    // Balls of one side in a cell are all neighbours: to join each to the first is enough.
     for (const auto& cell : regular.cells)
-        for (int i = 0; i < 4; ++i)
+    {
+        int first[2] = {-1, -1};
+        for (const int v : cell.vertices)
         {
-            const int a = cell.vertices[i];
-            if (a == Triangulation::infinite)
+            if (v == Triangulation::infinite)
                 continue;
-            is_visible[a] = 1;
-            for (int j = 0; j < i; ++j)
-                if (const int b = cell.vertices[j]; b != Triangulation::infinite && labels[a] == labels[b])
-                {
-                    const int first = root(a), second = root(b);
-                    parent[std::max(first, second)] = std::min(first, second);
-                }
+            is_visible[v] = 1;
+            int& other = first[labels[v] == Side::inner];
+            if (other < 0)
+            {
+                other = v;
+                continue;
+            }
+            const int a = root(v), b = root(other);
+            parent[std::max(a, b)] = std::min(a, b);
         }
+    }
     std::vector<int> size(std::size_t(n), 0);
     std::vector<char> has_root(std::size_t(n), 0);
     int largest = 0;
@@ -173,6 +136,7 @@ int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, 
     std::sort(candidates.begin(), candidates.end(),
               [&](int a, int b) { return margins[a] != margins[b] ? margins[a] < margins[b] : a < b; });
     const CellsAtVertices at = list_cells_at_vertices(regular, n);
+    BallLink link;
     int total = 0;
     for (int round = 0; round < options.rounds; ++round)
     {
@@ -186,9 +150,9 @@ int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, 
                     on_interface |= other != Triangulation::infinite && labels[other] != side;
             if (!on_interface)
                 continue;
-            Link link(regular, at, ball, labels);
-            const std::vector<int> own = link.pieces(side, labels);
-            if (own.size() < 2 || own.size() <= link.pieces(opposite(side), labels).size())
+            link.build(regular, at, ball, labels);
+            const std::vector<int> own = link.pieces(side);
+            if (own.size() < 2 || own.size() <= link.pieces(opposite(side)).size())
                 continue;
             if (!are_connected_without(ball, own, regular, at, labels))
                 continue;

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <recon/signed_labelling.h>
+#include <recon/triangulation.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace recon
+{
+
+/// The neighbours of a ball in the dual of a power diagram and the pieces into which they fall by side, connected along
+/// the edges of the ball's link (a sphere). With p pieces of the ball's own side and q of the other, giving the ball
+/// the other side changes the Euler characteristic of the surface between the sides by 2 (p - q): own and other regions
+/// of the link take each other's place, and their Euler characteristics are p - q + 1 and q - p + 1.
+class BallLink
+{
+public:
+    /// Replaces the content; `labels` must stay alive.
+    void build(const Triangulation& regular, const CellsAtVertices& at, int ball, const std::vector<Side>& labels)
+    {
+        balls_.clear();
+        parent_.clear();
+        labels_ = &labels;
+        for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
+        {
+            std::array<int, 3> corners;
+            int count = 0;
+            for (const int v : regular.cells[at.cell[k]].vertices)
+                if (v != ball && v != Triangulation::infinite)
+                    corners[count++] = number_of(v);
+            for (int i = 1; i < count; ++i)
+                for (int j = 0; j < i; ++j)
+                    if (labels[balls_[corners[i]]] == labels[balls_[corners[j]]])
+                        parent_[root(corners[i])] = root(corners[j]);
+        }
+    }
+    /// One ball of each piece on `side`.
+    std::vector<int> pieces(Side side)
+    {
+        std::vector<int> result;
+        for (int i = 0; i < int(balls_.size()); ++i)
+            if (root(i) == i && (*labels_)[balls_[i]] == side)
+                result.push_back(balls_[i]);
+        return result;
+    }
+    const std::vector<int>& balls() const { return balls_; }
+
+private:
+    int number_of(int ball)
+    {
+        const auto found = std::find(balls_.begin(), balls_.end(), ball);
+        if (found != balls_.end())
+            return int(found - balls_.begin());
+        balls_.push_back(ball);
+        parent_.push_back(int(parent_.size()));
+        return int(balls_.size()) - 1;
+    }
+    int root(int i)
+    {
+        while (parent_[i] != i)
+            i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    const std::vector<Side>* labels_ = nullptr;
+    std::vector<int> balls_, parent_;
+};
+
+} // namespace recon

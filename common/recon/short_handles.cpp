@@ -1,0 +1,385 @@
+#include <recon/short_handles.h>
+
+#include <recon/ball_link.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <queue>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+Side opposite(Side side)
+{
+    return side == Side::inner ? Side::outer : Side::inner;
+}
+
+/// Calls f(neighbour) for each neighbour of a ball, some more than once.
+template <class F>
+void visit_neighbours(const Triangulation& regular, const CellsAtVertices& at, int ball, F&& f)
+{
+    for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
+        for (const int other : regular.cells[at.cell[k]].vertices)
+            if (other != ball && other != Triangulation::infinite)
+                f(other);
+}
+
+class Components
+{
+public:
+    explicit Components(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+    int find(int i)
+    {
+        while (parent_[i] != i)
+            i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(int a, int b)
+    {
+        a = find(a);
+        b = find(b);
+        parent_[std::max(a, b)] = std::min(a, b);
+    }
+
+private:
+    std::vector<int> parent_;
+};
+
+/// Balls of `side` that stay out when the side grows from those that are not doubtful, highest margin first, and closes
+/// no ring more than it fills.
+std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVertices& at, Side side,
+                                   const std::vector<char>& is_doubtful, const std::vector<double>& margins,
+                                   std::vector<Side> labels)
+{
+    const int n = int(labels.size());
+    std::vector<char> waits(std::size_t(n), 0);
+    std::vector<int> candidates;
+    for (int i = 0; i < n; ++i)
+        if (is_doubtful[i] && labels[i] == side && at.first[i] < at.first[i + 1])
+        {
+            candidates.push_back(i);
+            waits[i] = 1;
+        }
+    if (candidates.empty())
+        return candidates;
+    for (const int i : candidates)
+        labels[i] = opposite(side);
+    Components components(labels.size());
+    for (const auto& cell : regular.cells)
+        for (int i = 1; i < 4; ++i)
+            for (int j = 0; j < i; ++j)
+            {
+                const int a = cell.vertices[i], b = cell.vertices[j];
+                if (a != Triangulation::infinite && b != Triangulation::infinite && labels[a] == side &&
+                    labels[b] == side)
+                    components.join(a, b);
+            }
+
+    std::priority_queue<std::pair<double, int>> queue; // highest margin, then lowest index
+    std::vector<char> is_queued(std::size_t(n), 0);
+    const auto enqueue = [&](int ball)
+    {
+        if (waits[ball] && !is_queued[ball])
+        {
+            queue.emplace(margins[ball], -ball);
+            is_queued[ball] = 1;
+        }
+    };
+    for (const int i : candidates)
+        enqueue(i);
+    BallLink link;
+    while (!queue.empty())
+    {
+        const int ball = -queue.top().second;
+        queue.pop();
+        is_queued[ball] = 0;
+        link.build(regular, at, ball, labels);
+        std::vector<int> own = link.pieces(side);
+        if (own.empty())
+            continue; // until a neighbour arrives
+        const int pieces = int(own.size()), others = int(link.pieces(opposite(side)).size());
+        for (int& piece : own)
+            piece = components.find(piece);
+        std::sort(own.begin(), own.end());
+        const int rings = pieces - int(std::unique(own.begin(), own.end()) - own.begin());
+        if (rings > std::max(0, others - 1))
+            continue;
+        waits[ball] = 0;
+        labels[ball] = side;
+        for (const int other : link.balls())
+        {
+            if (labels[other] == side)
+                components.join(other, ball);
+            enqueue(other); // what it waited for may have come
+        }
+    }
+    candidates.erase(std::remove_if(candidates.begin(), candidates.end(), [&](int i) { return !waits[i]; }),
+                     candidates.end());
+    return candidates;
+}
+
+/// Balls that close a ring together.
+struct Closer
+{
+    std::vector<int> balls;
+    double kept = 0, violated = 0; ///< Weight of the edges that leave the set, by whether the labels agree with them.
+    double margin() const { return kept + violated > 0 ? (kept - violated) / (kept + violated) : 1; }
+};
+
+std::vector<Closer> group(const std::vector<int>& balls, const Triangulation& regular, const CellsAtVertices& at,
+                          const SignedGraph& graph, const std::vector<Side>& labels)
+{
+    std::vector<int> group_of(labels.size(), -1);
+    constexpr int unassigned = -2;
+    for (const int ball : balls)
+        group_of[ball] = unassigned;
+    std::vector<Closer> groups;
+    for (const int seed : balls)
+    {
+        if (group_of[seed] != unassigned)
+            continue;
+        const int id = int(groups.size());
+        groups.emplace_back();
+        std::vector<int>& members = groups.back().balls;
+        members.push_back(seed);
+        group_of[seed] = id;
+        for (std::size_t i = 0; i < members.size(); ++i)
+            visit_neighbours(regular, at, members[i],
+                             [&](int other)
+                             {
+                                 if (group_of[other] == unassigned)
+                                 {
+                                     group_of[other] = id;
+                                     members.push_back(other);
+                                 }
+                             });
+    }
+    for (const SignedEdge& e : graph.edges)
+        if (group_of[e.a] != group_of[e.b])
+            for (const int id : {group_of[e.a], group_of[e.b]})
+                if (id >= 0)
+                    ((labels[e.a] == labels[e.b]) == (e.weight > 0) ? groups[id].kept : groups[id].violated) +=
+                        std::abs(e.weight);
+    return groups;
+}
+
+/// Lengths of rings through a set of balls, measured along the centres of balls of its side.
+class RingLength
+{
+public:
+    RingLength(const Triangulation& regular, const CellsAtVertices& at, const std::vector<Ball>& balls)
+        : regular_(regular), at_(at), balls_(balls), distance_(balls.size(), unreached), piece_(balls.size(), -1),
+          is_in_(balls.size(), 0)
+    {
+    }
+    /// Length up to which all pieces of the set's surroundings on its side are joined without it, 0 if there is but one
+    /// piece; infinite if that is above `longest`, so also if turning the set would part a component.
+    double measure(const std::vector<int>& set, const std::vector<Side>& labels, double longest)
+    {
+        const Side side = labels[set.front()];
+        for (const int b : set)
+            is_in_[b] = 1;
+        const std::vector<int> seeds = number_pieces(set, side, labels);
+        const double length = seeds.empty() ? 0 : join_pieces(seeds, side, labels, longest);
+        for (const int b : set)
+            is_in_[b] = 0;
+        for (const int b : seeds)
+            piece_[b] = -1;
+        return length;
+    }
+
+private:
+    static constexpr double unreached = std::numeric_limits<double>::infinity();
+
+    bool counts(int ball, Side side, const std::vector<Side>& labels) const
+    {
+        return labels[ball] == side && !is_in_[ball];
+    }
+
+    /// Neighbours of the set on its side, numbered by piece of its link in piece_ if there are at least two pieces.
+    std::vector<int> number_pieces(const std::vector<int>& set, Side side, const std::vector<Side>& labels)
+    {
+        std::vector<int> around;
+        for (const int b : set)
+            visit_neighbours(regular_, at_, b,
+                             [&](int other)
+                             {
+                                 if (counts(other, side, labels) && piece_[other] < 0)
+                                 {
+                                     piece_[other] = int(around.size());
+                                     around.push_back(other);
+                                 }
+                             });
+        Components pieces(around.size());
+        for (const int b : set)
+            for (int k = at_.first[b]; k < at_.first[b + 1]; ++k)
+            {
+                const auto& corners = regular_.cells[at_.cell[k]].vertices;
+                for (int i = 1; i < 4; ++i)
+                    for (int j = 0; j < i; ++j)
+                        if (const int a = corners[i], c = corners[j];
+                            a != Triangulation::infinite && c != Triangulation::infinite && counts(a, side, labels) &&
+                            counts(c, side, labels))
+                            pieces.join(piece_[a], piece_[c]);
+            }
+        for (std::size_t i = 0; i < around.size(); ++i)
+            piece_[around[i]] = pieces.find(int(i));
+        return around;
+    }
+
+    /// Dijkstra's distances from the piece of the first seed until every piece is met.
+    double join_pieces(const std::vector<int>& seeds, Side side, const std::vector<Side>& labels, double longest)
+    {
+        std::vector<int> missing;
+        for (const int b : seeds)
+            missing.push_back(piece_[b]);
+        std::sort(missing.begin(), missing.end());
+        missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+        std::vector<int> touched;
+        std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> queue;
+        const auto reach = [&](int ball, double length)
+        {
+            if (length < distance_[ball])
+            {
+                if (distance_[ball] == unreached)
+                    touched.push_back(ball);
+                distance_[ball] = length;
+                queue.emplace(length, ball);
+            }
+        };
+        for (const int b : seeds)
+            if (piece_[b] == piece_[seeds.front()])
+                reach(b, 0);
+        double result = unreached;
+        while (!queue.empty())
+        {
+            const auto [length, ball] = queue.top();
+            queue.pop();
+            if (length > longest)
+                break;
+            if (length > distance_[ball])
+                continue;
+            if (piece_[ball] >= 0)
+                missing.erase(std::remove(missing.begin(), missing.end(), piece_[ball]), missing.end());
+            if (missing.empty())
+            {
+                result = length;
+                break;
+            }
+            visit_neighbours(regular_, at_, ball,
+                             [&](int other)
+                             {
+                                 if (counts(other, side, labels))
+                                     reach(other, length + (balls_[other].centre - balls_[ball].centre).norm());
+                             });
+        }
+        for (const int b : touched)
+            distance_[b] = unreached;
+        return result;
+    }
+
+    const Triangulation& regular_;
+    const CellsAtVertices& at_;
+    const std::vector<Ball>& balls_;
+    std::vector<double> distance_;
+    std::vector<int> piece_;
+    std::vector<char> is_in_;
+};
+
+/// Turns the set over, ball by ball; returns by how much that changes the Euler characteristic of the surface.
+int turn(const std::vector<int>& set, const Triangulation& regular, const CellsAtVertices& at,
+         std::vector<Side>& labels)
+{
+    BallLink link;
+    int change = 0;
+    for (const int ball : set)
+    {
+        link.build(regular, at, ball, labels);
+        const Side side = labels[ball];
+        change += 2 * (int(link.pieces(side).size()) - int(link.pieces(opposite(side)).size()));
+        labels[ball] = opposite(side);
+    }
+    return change;
+}
+
+} // namespace
+
+int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels)
+{
+    // One vertex per mixed cell, one edge per mixed triangle, one polygon per mixed edge of the triangulation.
+    long long vertices = 0, half_edges = 0, faces = 0;
+    std::vector<int> ring;
+    for (int c = 0; c < regular.finite_cells; ++c)
+    {
+        const auto& v = regular.cells[c].vertices;
+        int inner = 0;
+        for (const int ball : v)
+            inner += labels[ball] == Side::inner;
+        if (inner == 0 || inner == 4)
+            continue;
+        ++vertices;
+        half_edges += inner == 2 ? 4 : 3;
+        for (int i = 0; i < 4; ++i)
+            for (int j = i + 1; j < 4; ++j)
+                faces += labels[v[i]] != labels[v[j]] && regular.list_ring_from_lowest(c, v[i], v[j], ring);
+    }
+    return int(vertices - half_edges / 2 + faces);
+}
+
+int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
+                         const std::vector<double>& scale, const std::vector<double>& margins,
+                         const ShortHandleOptions& options, std::vector<Side>& labels)
+{
+    if (measure_interface_euler(regular, labels) >= 2)
+        return 0; // a sphere has none
+    const CellsAtVertices at = list_cells_at_vertices(regular, int(labels.size()));
+    std::vector<char> is_doubtful(labels.size());
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        is_doubtful[i] = margins[i] < options.highest_margin && balls[i].radius < options.largest_radius * scale[i] &&
+                         !graph.is_root[i];
+    RingLength rings(regular, at, balls);
+    int total = 0;
+    for (int round = 0; round < options.rounds; ++round)
+    {
+        int turned = 0;
+        // Across the handle or through it, whichever goes against less.
+        std::vector<Closer> closers;
+        for (const Side side : {Side::inner, Side::outer})
+            for (Closer& closer :
+                 group(find_ring_closers(regular, at, side, is_doubtful, margins, labels), regular, at, graph, labels))
+                closers.push_back(std::move(closer));
+        std::stable_sort(closers.begin(), closers.end(),
+                         [](const Closer& a, const Closer& b) { return a.kept - a.violated < b.kept - b.violated; });
+        for (const Closer& closer : closers)
+        {
+            double mean_scale = 0;
+            for (const int b : closer.balls)
+                mean_scale += scale[b] / double(closer.balls.size());
+            double longest = (options.margin_at_once - closer.margin()) / options.margin_per_length * mean_scale;
+            const double evidence = closer.kept - closer.violated;
+            if (evidence > options.most_samples)
+                continue;
+            if (evidence < options.fewest_samples)
+                longest = std::max(longest, options.longest_unsupported * mean_scale);
+            const double length = longest > 0 ? rings.measure(closer.balls, labels, longest) : 0;
+            if (length == 0 || !std::isfinite(length))
+                continue;
+            if (turn(closer.balls, regular, at, labels) > 0)
+                turned += int(closer.balls.size());
+            else
+                turn(closer.balls, regular, at, labels); // back
+        }
+        total += turned;
+        if (turned == 0)
+            break;
+    }
+    return total;
+}
+
+} // namespace recon

@@ -1,0 +1,127 @@
+#include <recon/crust_mesh.h>
+#include <recon/crust_repair.h>
+#include <recon/power_diagram.h>
+#include <recon/short_handles.h>
+
+#include "tests/checks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+using namespace recon;
+
+namespace
+{
+
+constexpr int steps = 14;
+constexpr double cell = 1.2 / steps;
+
+/// Balls of a grid, those within 0.4 of the centre inner, with a tunnel two balls wide along z.
+struct PlantedTunnel
+{
+    std::vector<Ball> balls;
+    std::vector<Side> labels;
+    Triangulation regular;
+    SignedGraph graph;
+    std::vector<double> scale;
+
+    static int index(int x, int y, int z) { return (x * (steps + 1) + y) * (steps + 1) + z; }
+    static bool is_tunnel(int x, int y) { return x == 7 && (y == 7 || y == 8); }
+
+    /// Each pair of grid neighbours attracts by 1, opposite labels repel by 1; in the middle of the tunnel, `doubt` of
+    /// the evidence says that the tunnel is filled.
+    explicit PlantedTunnel(double doubt)
+    {
+        std::mt19937 random(1);
+        for (int x = 0; x <= steps; ++x)
+            for (int y = 0; y <= steps; ++y)
+                for (int z = 0; z <= steps; ++z)
+                {
+                    Point p = cell * Point(x - 7, y - 7, z - 7);
+                    for (int k = 0; k < 3; ++k)
+                        p[k] += 1e-3 * (random() / 4294967296.0);
+                    balls.push_back({p, 0.05});
+                    labels.push_back(p.norm() < 0.4 && !is_tunnel(x, y) ? Side::inner : Side::outer);
+                }
+        regular = PowerDiagram(balls).triangulation();
+        scale.assign(balls.size(), 0.05);
+        graph.nodes = int(balls.size());
+        graph.is_root.assign(balls.size(), 0);
+        for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)
+            for (const int v : regular.cells[c].vertices)
+                if (v >= 0)
+                    graph.is_root[v] = 1;
+        const auto connect = [&](int x, int y, int z, int x2, int y2, int z2)
+        {
+            const int a = index(x, y, z), b = index(x2, y2, z2);
+            const bool is_middle = (is_tunnel(x, y) || is_tunnel(x2, y2)) && std::abs(z - 7) <= 1;
+            const double truth = labels[a] == labels[b] ? 1 : -1;
+            graph.edges.push_back({a, b, truth * (is_middle ? 1 - doubt : 1)});
+            if (is_middle)
+                graph.edges.push_back({a, b, -truth * doubt});
+        };
+        for (int x = 0; x < steps; ++x)
+            for (int y = 0; y < steps; ++y)
+                for (int z = 0; z < steps; ++z)
+                {
+                    connect(x, y, z, x + 1, y, z);
+                    connect(x, y, z, x, y + 1, z);
+                    connect(x, y, z, x, y, z + 1);
+                }
+    }
+    int remove(const ShortHandleOptions& options)
+    {
+        return remove_short_handles(regular, graph, balls, scale, measure_margins(graph, labels), options, labels);
+    }
+    checks::MeshReport report() const { return checks::examine_mesh(extract_crust(regular, labels)); }
+};
+
+} // namespace
+
+TEST(ShortHandles, EulerCharacteristicAgreesWithTheCrusts)
+{
+    PlantedTunnel planted(0);
+    EXPECT_EQ(planted.report().euler_characteristic, 0);
+    EXPECT_EQ(measure_interface_euler(planted.regular, planted.labels), 0);
+    for (int z = 0; z <= steps; ++z)
+        planted.labels[PlantedTunnel::index(4, 7, z)] = Side::outer;
+    EXPECT_LT(planted.report().euler_characteristic, 0);
+    EXPECT_EQ(measure_interface_euler(planted.regular, planted.labels), planted.report().euler_characteristic);
+}
+
+TEST(ShortHandles, FillsADoubtfulTunnelThatIsWiderThanABall)
+{
+    PlantedTunnel planted(0.45);
+    ASSERT_EQ(planted.report().genus(), 1);
+    const std::vector<char> is_small(planted.balls.size(), 1);
+    EXPECT_EQ(cut_handles(planted.regular, planted.graph.is_root, is_small,
+                          measure_margins(planted.graph, planted.labels), {}, planted.labels),
+              0)
+        << "no single ball closes it";
+    EXPECT_GE(planted.remove({}), 2);
+    const checks::MeshReport report = planted.report();
+    EXPECT_TRUE(report.is_closed_oriented_manifold());
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 0);
+}
+
+TEST(ShortHandles, LeavesWhatIsCertainOrLong)
+{
+    PlantedTunnel certain(0);
+    EXPECT_EQ(certain.remove({}), 0);
+    EXPECT_EQ(certain.report().genus(), 1);
+
+    // The ring runs from one mouth of the tunnel round the ball to the other: more than ten grid steps.
+    PlantedTunnel doubtful(0.45);
+    ShortHandleOptions options;
+    options.fewest_samples = 0;
+    options.margin_per_length = 0.95 / (6 * cell / 0.05);
+    EXPECT_EQ(doubtful.remove(options), 0);
+    EXPECT_EQ(doubtful.report().genus(), 1);
+    options.margin_per_length = 0.02;
+    options.most_samples = 0.1;
+    EXPECT_EQ(doubtful.remove(options), 0);
+    EXPECT_EQ(doubtful.report().genus(), 1);
+}
