@@ -6,9 +6,10 @@ Each cloud is written once with the true normals; every method reads that file. 
 true normals at pymeshlab's default depth (8), and at depths 7 and 8 CGAL's normals (principal components of 30 neighbours,
 oriented along a spanning tree). One thread; CPU seconds, normals included, over the CPU seconds of CGAL's Delaunay of the cloud.
 RMS: of the vertices to the true mesh, in 1e-6 of the diagonal. Right: one component, true genus, closed, manifold, outward,
-volume within 3 %. Writes one Markdown row a cell, then the sums.
+volume within 3 %. Writes one Markdown row a cell, then the sums, also when interrupted.
 """
 import argparse
+import itertools
 import math
 import subprocess
 import tempfile
@@ -80,12 +81,14 @@ def main():
     work = arguments.work or Path(tempfile.mkdtemp())
     cells = {}
     print("| model | sigma | " + " | ".join(TITLES[m] for m in METHODS) + " |\n|---|---|" + "---|" * len(METHODS), flush=True)
-    for model in arguments.models or GRID_A:
-        for sigma in arguments.sigmas.split(","):
+    try:
+        for sigma, model in itertools.product(arguments.sigmas.split(","), arguments.models or GRID_A):
             call(arguments.program, "clouds", arguments.folder, arguments.seed, work, sigma, model)
             cells[model, sigma] = cell = run_cell(arguments.program, arguments.folder, model, sigma, work)
             print(f"| {model} | {sigma} | " + " | ".join(describe(cell[m]) for m in METHODS) + " |", flush=True)
             (work / f"{model}_{sigma}.ply").unlink()
+    except KeyboardInterrupt:
+        pass  # the sums of what there is
     print()
     for m in METHODS:
         column = [cell[m] for cell in cells.values()]
