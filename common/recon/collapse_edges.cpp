@@ -46,16 +46,13 @@ public:
 
         vertices_.reserve(mesh.vertices.size());
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-            vertices_.push_back({mesh.vertices[v], scale[v], gone, 0, merged[v]});
-        for (std::size_t t = 0; t < triangles_.size(); ++t)
-            for (int k = 0; k < 3; ++k)
-            {
-                Vertex& v = vertices_[mesh.triangles[t][k]];
-                v.outgoing = int(4 * t) + k;
-                ++v.degree;
-                triangles_[t].origin[k] = mesh.triangles[t][k];
-                triangles_[t].twin[k] = half_edges.twin[t][k];
-            }
+            vertices_.push_back({mesh.vertices[v], scale[v], half_edges.outgoing[v], half_edges.degree[v], merged[v]});
+        parallel_for(triangles_.size(), options.threads, {},
+                     [&](std::size_t t)
+                     {
+                         const auto& corners = mesh.triangles[t];
+                         triangles_[t] = {{corners[0], corners[1], corners[2], gone}, half_edges.twin[t]};
+                     });
         blocks_.resize(std::size_t(block_of(int(vertices_.size()) - 1)) + 1);
         parallel_for(blocks_.size(), options.threads, {}, [&](std::size_t b) { enlist_block(int(b)); }, 1);
     }

@@ -25,7 +25,8 @@ int best_fan_corner(const Points& vertices, const std::vector<int>& polygon)
     const int n = int(polygon.size());
     int best = 0;
     double best_quality = -1;
-    for (int apex = 0; apex < n && n > 3; ++apex)
+    const int apexes = n == 3 ? 0 : n == 4 ? 2 : n; // opposite corners of a quadrangle have the same fan
+    for (int apex = 0; apex < apexes; ++apex)
     {
         double worst = 1e300;
         for (int k = 1; k + 1 < n; ++k)
@@ -63,16 +64,23 @@ void append(std::vector<Item>& whole, const std::vector<Item>& part)
 
 /// Cells with both labels. In the order of a coarse Z-order curve: cells are numbered by their balls, and a ball can touch both
 /// sides of a body, so that neighbours on the surface would lie far apart in memory.
-std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vector<Side>& labels)
+std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
+    std::vector<std::vector<int>> chunks(chunk_count(std::size_t(regular.finite_cells)));
+    parallel_chunks(std::size_t(regular.finite_cells), threads, grain, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        for (std::size_t c = begin; c < end; ++c)
+                        {
+                            const auto& v = regular.cells[c].vertices;
+                            const Side side = labels[v[0]];
+                            if (labels[v[1]] != side || labels[v[2]] != side || labels[v[3]] != side)
+                                chunks[begin / grain].push_back(int(c));
+                        }
+                    });
     std::vector<int> found;
-    for (int c = 0; c < regular.finite_cells; ++c)
-    {
-        const auto& v = regular.cells[c].vertices;
-        const Side side = labels[v[0]];
-        if (labels[v[1]] != side || labels[v[2]] != side || labels[v[3]] != side)
-            found.push_back(c);
-    }
+    for (const auto& chunk : chunks)
+        append(found, chunk);
     constexpr int bits = 6, steps = 1 << bits;
     Eigen::AlignedBox3d box;
     for (const int c : found)
@@ -89,14 +97,11 @@ std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vecto
         }
         return code;
     };
-    std::vector<unsigned> code;
-    code.reserve(found.size());
+    std::vector<unsigned> code(found.size());
+    parallel_for(found.size(), threads, {}, [&](std::size_t i) { code[i] = bucket(regular.centres[found[i]]); }, grain);
     std::vector<int> first((std::size_t(1) << (3 * bits)) + 1, 0), sorted(found.size());
-    for (const int c : found)
-    {
-        code.push_back(bucket(regular.centres[c]));
-        ++first[code.back() + 1];
-    }
+    for (const unsigned c : code)
+        ++first[c + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
     for (std::size_t i = 0; i < found.size(); ++i)
         sorted[first[code[i]]++] = found[i];
@@ -107,7 +112,7 @@ std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vecto
 
 CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
-    const std::vector<int> mixed = list_mixed_cells(regular, labels);
+    const std::vector<int> mixed = list_mixed_cells(regular, labels, threads);
     CrustPolygons result;
     result.vertices.reserve(mixed.size());
     result.ball.reserve(mixed.size());

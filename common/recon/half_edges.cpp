@@ -10,7 +10,11 @@ namespace recon
 HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
 {
     const auto& triangles = mesh.triangles;
-    std::vector<int> first(mesh.vertices.size() + 1, 0), at_lower(3 * triangles.size()), degree(mesh.vertices.size(), 0);
+    std::vector<int> first(mesh.vertices.size() + 1, 0);
+    HalfEdges result;
+    std::vector<int>& degree = result.degree;
+    degree.assign(mesh.vertices.size(), 0);
+    result.outgoing.assign(mesh.vertices.size(), -1);
     const auto for_all = [&](auto&& call)
     {
         for (int t = 0; t < int(triangles.size()); ++t)
@@ -18,21 +22,24 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
                 call(4 * t + k, triangles[t][k], triangles[t][k == 2 ? 0 : k + 1]);
     };
     for_all(
-        [&](int, int a, int b)
+        [&](int h, int a, int b)
         {
             ++first[std::min(a, b) + 1];
             ++degree[a];
+            result.outgoing[a] = h;
         });
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
         first[v + 1] += first[v];
+    struct Side
+    {
+        int half_edge, upper;
+        bool rises; ///< Whether it leads from the lower end to the upper.
+    };
+    std::vector<Side> at_lower(3 * triangles.size());
     std::vector<int> next(first.begin(), first.end() - 1);
-    for_all([&](int h, int a, int b) { at_lower[next[std::min(a, b)]++] = h; });
+    for_all([&](int h, int a, int b) { at_lower[next[std::min(a, b)]++] = {h, std::max(a, b), a < b}; });
 
-    HalfEdges result;
     result.twin.assign(triangles.size(), {-1, -1, -1, -1});
-    const auto twin = [&](int h) -> int& { return result.twin[h >> 2][h & 3]; };
-    const auto origin = [&](int h) { return triangles[h >> 2][h & 3]; };
-    const auto target = [&](int h) { return triangles[h >> 2][(h & 3) == 2 ? 0 : (h & 3) + 1]; };
     constexpr std::size_t grain = 8192;
     std::vector<std::vector<int>> faulty((mesh.vertices.size() + grain - 1) / grain);
     parallel_chunks(mesh.vertices.size(), threads, grain, {},
@@ -41,20 +48,20 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
                         for (std::size_t v = begin; v < end; ++v)
                             for (int i = first[v]; i < first[v + 1]; ++i)
                             {
-                                const int g = at_lower[i];
-                                int along = 0, back = 0;
+                                const Side& own = at_lower[i];
+                                int along = 0, back = 0, twin = -1;
                                 for (int j = first[v]; j < first[v + 1]; ++j)
                                 {
-                                    const int h = at_lower[j];
-                                    along += origin(h) == origin(g) && target(h) == target(g);
-                                    if (origin(h) == target(g) && target(h) == origin(g))
-                                    {
-                                        ++back;
-                                        twin(g) = h;
-                                    }
+                                    const Side& other = at_lower[j];
+                                    if (other.upper != own.upper)
+                                        continue;
+                                    ++(other.rises == own.rises ? along : back);
+                                    if (other.rises != own.rises)
+                                        twin = other.half_edge;
                                 }
-                                if (along != 1 || back != 1 || origin(g) == target(g) || degree[origin(g)] < 3)
-                                    faulty[begin / grain].push_back(g >> 2);
+                                result.twin[own.half_edge >> 2][own.half_edge & 3] = twin;
+                                if (along != 1 || back != 1 || own.upper == int(v) || degree[v] < 3 || degree[own.upper] < 3)
+                                    faulty[begin / grain].push_back(own.half_edge >> 2);
                             }
                     });
     for (const auto& chunk : faulty)

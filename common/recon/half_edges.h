@@ -12,6 +12,8 @@ namespace recon
 struct HalfEdges
 {
     std::vector<std::array<int, 4>> twin; ///< Per triangle and corner: the half-edge back. The fourth is unused.
+    std::vector<int> outgoing;            ///< Per vertex: a half-edge from it, -1 if it has none.
+    std::vector<int> degree;              ///< Per vertex: triangles at it.
     std::vector<int> faulty;              ///< Triangles that cannot be part of a closed oriented manifold.
 };
 

@@ -191,6 +191,24 @@ ParityForest join_certain(const SignedGraph& graph, int& root)
     return forest;
 }
 
+/// By a, then b; equal pairs keep their order.
+void sort_by_ends(std::vector<SignedEdge>& edges, int nodes)
+{
+    std::vector<int> first(std::size_t(nodes) + 1, 0);
+    for (const SignedEdge& e : edges)
+        ++first[e.a + 1];
+    for (int i = 0; i < nodes; ++i)
+        first[i + 1] += first[i];
+    std::vector<SignedEdge> sorted(edges.size());
+    std::vector<int> next(first.begin(), first.end() - 1);
+    for (const SignedEdge& e : edges)
+        sorted[next[e.a]++] = e;
+    for (int i = 0; i < nodes; ++i)
+        std::stable_sort(sorted.begin() + first[i], sorted.begin() + first[i + 1],
+                         [](const SignedEdge& x, const SignedEdge& y) { return x.b < y.b; });
+    edges.swap(sorted);
+}
+
 struct Candidate
 {
     double strength; ///< |weight| when it was queued
@@ -221,8 +239,7 @@ std::vector<Side> label_by_contraction(const SignedGraph& graph)
         if (a != b)
             sorted.push_back({std::min(a, b), std::max(a, b), parity ? -e.weight : e.weight});
     }
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const SignedEdge& x, const SignedEdge& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+    sort_by_ends(sorted, n);
     PairWeights weights(sorted.size());
     std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(n));
     std::vector<Candidate> initial;
@@ -364,17 +381,18 @@ void improve_labels(const SignedGraph& graph, std::vector<Side>& labels)
 
 std::vector<double> measure_margins(const SignedGraph& graph, const std::vector<Side>& labels)
 {
-    const Rows rows(graph);
-    std::vector<double> margins(std::size_t(graph.nodes), 1);
-    for (int i = 0; i < graph.nodes; ++i)
+    std::vector<double> agreement(std::size_t(graph.nodes), 0), total(std::size_t(graph.nodes), 0);
+    for (const SignedEdge& e : graph.edges)
     {
-        double total = 0;
-        for (int k = rows.first[i]; k < rows.first[i + 1]; ++k)
-            total += std::abs(rows.entries[k].weight);
-        if (total > 0)
-            margins[i] = rows.agreement(i, labels) / total;
+        const double agreed = labels[e.a] == labels[e.b] ? e.weight : -e.weight, size = std::abs(e.weight);
+        agreement[e.a] += agreed;
+        agreement[e.b] += agreed;
+        total[e.a] += size;
+        total[e.b] += size;
     }
-    return margins;
+    for (int i = 0; i < graph.nodes; ++i)
+        agreement[i] = total[i] > 0 ? agreement[i] / total[i] : 1;
+    return agreement;
 }
 
 Violation measure_violated_repulsion(const std::vector<SignedEdge>& edges, const std::vector<Side>& labels)

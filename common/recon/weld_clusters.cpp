@@ -153,17 +153,19 @@ WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<doubl
     std::vector<int> number(cluster.size(), -1), merged(cluster.size(), 0);
     for (const int c : cluster)
         ++merged[c];
-    for (const auto& t : result.mesh.triangles)
-        for (const int v : t)
-            number[v] = 0;
     for (std::size_t i = 0; i < cluster.size(); ++i)
-        if (number[i] == 0)
+        if (result.half_edges.degree[i] > 0)
         {
-            number[i] = int(result.scale.size());
-            result.mesh.vertices[result.scale.size()] = polygons.vertices[i];
+            const std::size_t n = result.scale.size();
+            number[i] = int(n);
+            result.mesh.vertices[n] = polygons.vertices[i];
+            result.half_edges.outgoing[n] = result.half_edges.outgoing[i];
+            result.half_edges.degree[n] = result.half_edges.degree[i];
             result.scale.push_back(scale[i]);
             result.merged.push_back(merged[i]);
         }
+    result.half_edges.outgoing.resize(result.scale.size());
+    result.half_edges.degree.resize(result.scale.size());
     result.mesh.vertices.resize(result.scale.size());
     for (auto& t : result.mesh.triangles)
         t = {number[t[0]], number[t[1]], number[t[2]]};
