@@ -43,23 +43,6 @@ Points thinned(const Points& points, unsigned seed)
     return kept;
 }
 
-/// The points and a share of uniform ones in a box 10 % larger; the outliers come last.
-Points with_outliers(Points points, double share, unsigned seed)
-{
-    shapes::Random random(seed);
-    const Box box = bounding_box(points);
-    const Vector sides = 1.1 * (box.maximum - box.minimum);
-    const std::size_t count = std::size_t(share * double(points.size()));
-    for (std::size_t i = 0; i < count; ++i)
-    {
-        Point p = box.centre();
-        for (int k = 0; k < 3; ++k)
-            p[k] += (uniform(random) - 0.5) * sides[k];
-        points.push_back(p);
-    }
-    return points;
-}
-
 } // namespace
 
 int main(int argc, char** argv)
@@ -88,8 +71,8 @@ int main(int argc, char** argv)
         const Points copies = benchmarks::noisy_cloud(model, 0.2, seed);
         save(name + "_one_per_vertex", name, shapes::with_noise(model.mesh.vertices, 0.002 * model.diagonal, seed));
         save(name + "_thinned", name, thinned(copies, seed + 1));
-        save(name + "_outliers_1", name, with_outliers(copies, 0.01, seed + 2));
-        save(name + "_outliers_5", name, with_outliers(copies, 0.05, seed + 3));
+        save(name + "_outliers_1", name, benchmarks::with_outliers(copies, 0.01, seed + 2));
+        save(name + "_outliers_5", name, benchmarks::with_outliers(copies, 0.05, seed + 3));
     }
     for (const std::string name : {"fandisk_large", "block", "anchor_dense", "trim_star"})
     {

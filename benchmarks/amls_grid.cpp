@@ -1,6 +1,7 @@
 // Grid B with defaults only: RMS and largest distance to the true mesh after projection, orientation, CPU time.
-// amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--noise factor] [--save
-// folder] [--phases] [--delaunay]: with --delaunay the last column is the CPU time over that of CGAL's Delaunay triangulation
+// amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--noise factor] [--outliers
+// percent] [--save folder] [--phases] [--delaunay]: with --delaunay the last column is the CPU time over that of CGAL's
+// Delaunay triangulation
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -60,6 +61,7 @@ int main(int argc, char** argv)
     std::vector<std::string> names = benchmarks::grid_b, sigmas = {"0.1", "0.2", "0.4"}, seeds = {"11"};
     std::string save;
     bool phases = false, with_delaunay = false;
+    double outliers = 0;     // percent of the points
     double noise_factor = 0; // of the true sigma, given to the filter; 0 = the filter estimates
     int threads = 1;
     for (int i = 2; i < argc; ++i)
@@ -82,6 +84,8 @@ int main(int argc, char** argv)
                 threads = std::stoi(value);
             else if (option == "--noise")
                 noise_factor = std::stod(value);
+            else if (option == "--outliers")
+                outliers = std::stod(value);
             else if (option == "--save")
                 save = value;
         }
@@ -101,6 +105,9 @@ int main(int argc, char** argv)
                 Points points = benchmarks::noisy_cloud(model, std::stod(sigma), unsigned(std::stoi(seed)));
                 for (Point& p : points) // as amls_clouds writes them for the peers
                     p = p.cast<float>().cast<double>();
+                const std::size_t genuine = points.size();
+                if (outliers > 0)
+                    points = benchmarks::with_outliers(points, outliers / 100, unsigned(std::stoi(seed)));
                 const double delaunay = with_delaunay ? benchmarks::time_bare_delaunay(points) : 0;
                 double cpu = benchmarks::cpu_seconds();
                 AmlsOptions options;
@@ -117,7 +124,7 @@ int main(int argc, char** argv)
 
                 double squares = 0, largest = 0, before = 0, iterations = 0, neighbours = 0;
                 int right = 0, worse = 0;
-                for (std::size_t i = 0; i < points.size(); ++i)
+                for (std::size_t i = 0; i < genuine; ++i)
                 {
                     const auto nearest = truth.nearest(projection.points[i]);
                     const double was = truth.nearest(points[i]).distance;
@@ -131,7 +138,7 @@ int main(int argc, char** argv)
                     iterations += projection.iterations[i];
                     neighbours += projection.neighbours[i];
                 }
-                const double n = double(points.size()), d = model.diagonal;
+                const double n = double(genuine), d = model.diagonal;
                 const AmlsSurfaceReport& report = surface.report();
                 std::printf("%-22s %4s %4s %8zu %7.0f %8.2f %8.0f  %.5f  %.4f  %.2f  %.3f  %5d %5d %5d  %.2f  %4.0f  "
                             "%4d  %5.2f  %5.2f\n",
@@ -141,6 +148,25 @@ int main(int argc, char** argv)
                             projection.count(ProjectionStatus::fell_back),
                             projection.count(ProjectionStatus::not_converged), iterations / n, neighbours / n, worse,
                             cpu, with_delaunay ? cpu / delaunay : 0);
+                if (outliers > 0)
+                {
+                    int found = 0, mistaken = 0, far = 0, far_found = 0;
+                    for (std::size_t i = 0; i < points.size(); ++i)
+                    {
+                        const bool flagged = projection.status[i] == ProjectionStatus::outlier;
+                        found += i >= genuine && flagged;
+                        mistaken += i < genuine && flagged;
+                        // Within the surface's noise and width an outlier cannot be told.
+                        if (i >= genuine && truth.nearest(points[i]).distance > 2 * report.width)
+                        {
+                            ++far;
+                            far_found += flagged;
+                        }
+                    }
+                    std::printf("    outliers found %d of %zu, of those farther than 2 widths %d of %d; genuine points "
+                                "taken for outliers %d\n",
+                                found, points.size() - genuine, far_found, far, mistaken);
+                }
                 if (phases)
                 {
                     for (const auto& phase : report.seconds)

@@ -236,6 +236,22 @@ recon::Points noisy_cloud(const Model& model, double percent, unsigned seed)
     return shapes::with_noisy_copies(model.mesh.vertices, percent / 100 * model.diagonal, 4, seed);
 }
 
+recon::Points with_outliers(recon::Points points, double share, unsigned seed)
+{
+    shapes::Random random(seed);
+    const recon::Box box = recon::bounding_box(points);
+    const recon::Vector sides = 1.1 * (box.maximum - box.minimum);
+    const std::size_t count = std::size_t(share * double(points.size()));
+    for (std::size_t i = 0; i < count; ++i)
+    {
+        recon::Point p = box.centre();
+        for (int k = 0; k < 3; ++k)
+            p[k] += (double(random() >> 11) * 0x1p-53 - 0.5) * sides[k];
+        points.push_back(p);
+    }
+    return points;
+}
+
 double cpu_seconds()
 {
     timespec now;

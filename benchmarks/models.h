@@ -24,6 +24,9 @@ void save_ply(const std::string& path, const recon::Points& points, const recon:
 /// The cloud of one cell: each vertex plus 4 Gaussian copies at sigma = percent / 100 x diagonal; the vertices alone at 0.
 recon::Points noisy_cloud(const Model& model, double percent, unsigned seed);
 
+/// The points and a share of uniform ones in a box 10 % larger; these outliers come last.
+recon::Points with_outliers(recon::Points points, double share, unsigned seed);
+
 /// Models of the grids, as file names without ".ply".
 extern const std::vector<std::string> grid_a, grid_b, grid_c;
 

@@ -7,6 +7,8 @@
 #include <recon/block_search.h>
 #include <recon/parallel.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +26,11 @@ constexpr double widening_step = 1.4;
 constexpr int most_widenings = 3;
 constexpr double isolated_mass = 0.15, isolated_radius = 3.7;
 constexpr int isolated_points = 6;
+constexpr double isolated_share = 0.03;
 constexpr double dense_mass = 0.7, lonely_mass = 0.08, detail_radius = 1; // radius in widths
+constexpr int patch_cells = 12;
+constexpr double patch_flatness = 0.01, patch_extent = 0.1; // ratios of variances
+constexpr double patch_offset = 0.5;                        // of the distance of the farthest of these cells
 constexpr double stray_mass = 0.5, stray_share = 0.3, stray_radius = 4.5; // radius in sigmas
 constexpr double run_radius = 0.9;                                        // widths
 constexpr int longest_run = 32, longest_seed_run = 64;
@@ -99,6 +105,31 @@ private:
     Gathered around_run_, around_cell_;
 };
 
+/// Whether the points around a cell form a piece of surface, if a sparse one: its nearest cells lie in a plane as good
+/// as points scattered through space rarely do, and all around it.
+bool is_sparse_surface(const Cells& cells, const BlockSearch& search, int cell)
+{
+    int near[patch_cells];
+    double squared[patch_cells], reach = 2 * cells.scales[cell].width;
+    const int count = search.nearest(cells.means[cell], patch_cells, near, squared, reach);
+    if (count < patch_cells)
+        return false;
+    Vector mean = Vector::Zero();
+    for (const int i : near)
+        mean += (cells.means[i] - cells.means[cell]) / patch_cells;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const int i : near)
+    {
+        const Vector d = cells.means[i] - cells.means[cell] - mean;
+        covariance += d * d.transpose() / (patch_cells * squared[patch_cells - 1]);
+    }
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(covariance);
+    const Eigen::Vector3d spread = solver.eigenvalues();
+    return spread[0] < patch_flatness * spread[1] && spread[1] > patch_extent * spread[2] &&
+           mean.squaredNorm() < patch_offset * patch_offset * squared[patch_cells - 1];
+}
+
 } // namespace
 
 Cells average_cells(const Points& points, const LocalScales& scales, int threads, const Progress& progress)
@@ -149,8 +180,7 @@ Cells average_cells(const Points& points, const LocalScales& scales, int threads
     return cells;
 }
 
-CellNormals estimate_cell_normals(const Cells& cells, const BlockSearch& search, int threads,
-                                  const Progress& progress)
+CellNormals estimate_cell_normals(const Cells& cells, const BlockSearch& search, int threads, const Progress& progress)
 {
     const int n = cells.size();
     CellNormals result;
@@ -190,8 +220,14 @@ CellNormals estimate_cell_normals(const Cells& cells, const BlockSearch& search,
                             }
                             // Alone, or so far above a dense surface that neither noise nor detail explains it.
                             const double reach = std::max(stray_radius * scale.sigma, detail_radius * scale.width);
-                            isolated[c] = points < isolated_points ||
-                                          (nearest < 1e300 && nearest > reach * reach && result.mass[c] < lonely_mass);
+                            // Of what a surface of that density has within the radius; scattered outliers are not quite
+                            // alone.
+                            const double r = isolated_radius * scale.width;
+                            const double fewest =
+                                std::max<double>(isolated_points, isolated_share * pi * r * r * scale.density);
+                            const bool alone = points < fewest || (nearest < 1e300 && nearest > reach * reach &&
+                                                                   result.mass[c] < lonely_mass);
+                            isolated[c] = alone && !is_sparse_surface(cells, search, int(c));
                         }
                     });
     for (int c = 0; c < n; ++c)

@@ -18,7 +18,7 @@ namespace
 
 using simd::Lanes;
 
-constexpr double narrowing = 0.8;                         // of the widths: quadrics need less averaging than planes
+constexpr double narrowing = 0.7;                         // of the widths: quadrics need less averaging than planes
 constexpr double least_weight = 1e-6;                     // below it no anchor is near
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
