@@ -65,6 +65,8 @@ function(point_surfaces_host name)
 
     add_library(plugin_adapter_${name} OBJECT
         ${seam}/host_document.cpp
+        ${seam}/read_layer.cpp
+        ${seam}/write_result.cpp
         ${seam}/interface_${ARG_INTERFACE}/adapter.cpp
         ${seam}/interface_${ARG_INTERFACE}/adapter.h)
     set_target_properties(plugin_adapter_${name} PROPERTIES AUTOMOC ON)
