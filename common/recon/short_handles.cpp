@@ -327,7 +327,8 @@ int measure_interface_euler(const Triangulation& regular, const std::vector<Side
         half_edges += inner == 2 ? 4 : 3;
         for (int i = 0; i < 4; ++i)
             for (int j = i + 1; j < 4; ++j)
-                faces += labels[v[i]] != labels[v[j]] && regular.list_ring_from_lowest(c, v[i], v[j], ring);
+                faces += labels[v[i]] != labels[v[j]] && regular.can_be_lowest(c, i, j) &&
+                         regular.list_ring_from_lowest(c, v[i], v[j], ring);
     }
     return int(vertices - half_edges / 2 + faces);
 }
