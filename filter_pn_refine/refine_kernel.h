@@ -520,7 +520,8 @@ struct PointRefiner
                 raise_radius(members[k], raised[k]);
         }
         float& own_next = w.next[std::size_t(own)];
-        own_next = std::max(own_next, std::min(__builtin_sqrtf(radius2) * hair, LocalRules::shrink) * radius);
+        const float most = is_open ? LocalRules::open_radius : LocalRules::shrink;
+        own_next = std::max(own_next, std::min(__builtin_sqrtf(radius2) * hair, most) * radius);
     }
 
     PN_INLINE bool refine(int own)

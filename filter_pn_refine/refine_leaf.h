@@ -46,7 +46,8 @@ struct LocalRules
         0.35f; ///< [radians] What halves a gap worse does not close it: along a rim it only raises radii.
     static constexpr float shrink =
         0.9f; ///< No radius written while refining a point exceeds this: radii run away else.
-    static constexpr float open_radius = 0.8f;   ///< A point with an open gap keeps at least this.
+    static constexpr float open_radius = 1;      ///< A point with an open gap keeps this: else the radii around a hole
+                                                 ///< shrink below its width, and it is never closed.
     static constexpr float largest_open = 2.5f;  ///< But not above this in the leaf's median radius.
     static constexpr float least_height = 0.1f;  ///< Of a candidate's triangle, in its longest edge.
     static constexpr float curved_below = 0.95f; ///< Automatic: accurate where a neighbour's normal agrees less.
