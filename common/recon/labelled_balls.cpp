@@ -105,12 +105,12 @@ std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, 
     return pairs;
 }
 
-/// Without normals a clean coarse cloud's real holes have hardly more evidence than spurious ones: only the shortest go.
+/// Without normals a clean coarse cloud's real holes have hardly more evidence than spurious ones: only the least supported go.
 ShortHandleOptions options_for_handles(bool oriented)
 {
     ShortHandleOptions options;
     if (!oriented)
-        options.margin_at_once = 0.85;
+        options.largest_support = 40;
     return options;
 }
 

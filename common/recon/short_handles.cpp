@@ -129,7 +129,6 @@ struct Closer
 {
     std::vector<int> balls;
     double kept = 0, violated = 0; ///< Weight of the edges that leave the set, by whether the labels agree with them.
-    double margin() const { return kept + violated > 0 ? (kept - violated) / (kept + violated) : 1; }
 };
 
 std::vector<Closer> group(const std::vector<int>& balls, const Triangulation& regular, const CellsAtVertices& at,
@@ -362,13 +361,11 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
             double mean_scale = 0;
             for (const int b : closer.balls)
                 mean_scale += scale[b] / double(closer.balls.size());
-            double longest = (options.margin_at_once - closer.margin()) / options.margin_per_length * mean_scale;
             const double evidence = closer.kept - closer.violated;
-            if (evidence > options.most_samples)
-                continue;
-            if (evidence < options.fewest_samples)
-                longest = std::max(longest, options.longest_unsupported * mean_scale);
-            const double length = longest > 0 ? rings.measure(closer.balls, labels, longest) : 0;
+            const double longest = evidence * options.longest_ring > options.largest_support
+                                       ? options.largest_support / evidence
+                                       : options.longest_ring;
+            const double length = rings.measure(closer.balls, labels, longest * mean_scale);
             if (length == 0 || !std::isfinite(length))
                 continue;
             if (turn(closer.balls, regular, at, labels) > 0)

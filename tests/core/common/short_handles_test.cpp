@@ -116,12 +116,10 @@ TEST(ShortHandles, LeavesWhatIsCertainOrLong)
     // The ring runs from one mouth of the tunnel round the ball to the other: more than ten grid steps.
     PlantedTunnel doubtful(0.45);
     ShortHandleOptions options;
-    options.fewest_samples = 0;
-    options.margin_per_length = 0.95 / (6 * cell / 0.05);
+    options.longest_ring = 6 * cell / 0.05;
     EXPECT_EQ(doubtful.remove(options), 0);
-    EXPECT_EQ(doubtful.report().genus(), 1);
-    options.margin_per_length = 0.02;
-    options.most_samples = 0.1;
+    options.longest_ring = 40;
+    options.largest_support = 1;
     EXPECT_EQ(doubtful.remove(options), 0);
     EXPECT_EQ(doubtful.report().genus(), 1);
 }
