@@ -31,6 +31,10 @@ namespace portable
 
 #include "ring_kernel.h"
 
+#include "gather_kernel.h"
+
+#include "front_kernel.h"
+
 #include "refine_kernel.h"
 
 #include "finish_kernel.h"
@@ -52,6 +56,10 @@ namespace v3
 
 #include "ring_kernel.h"
 
+#include "gather_kernel.h"
+
+#include "front_kernel.h"
+
 #include "refine_kernel.h"
 
 #include "finish_kernel.h"
@@ -70,6 +78,10 @@ namespace v4
 #include "lanes.h"
 
 #include "ring_kernel.h"
+
+#include "gather_kernel.h"
+
+#include "front_kernel.h"
 
 #include "refine_kernel.h"
 

@@ -1,69 +1,5 @@
 // Refinement of the points of one leaf (section 5). No include guard: see lanes.h.
 
-/// Appends those of a leaf's points that lie within 1 of the box; `offset` leads from the rows' origin to the box's
-/// centre.
-PN_INLINE void gather_rows(const RowsView& from, int leaf, int first_index, float scale, const float* offset,
-                           const float* half_box, bool takes_all, LocalPoints& to)
-{
-    to.reserve(to.count + from.count);
-    for (int k = 0; k < from.count; k += lane_count)
-    {
-        const Floats x = load<Floats>(from.x + k) * scale + offset[0], y = load<Floats>(from.y + k) * scale + offset[1],
-                     z = load<Floats>(from.z + k) * scale + offset[2];
-        const Floats dx = larger(absolute(x) - half_box[0], Floats{}), dy = larger(absolute(y) - half_box[1], Floats{}),
-                     dz = larger(absolute(z) - half_box[2], Floats{});
-        Mask taken = first_lanes(from.count - k);
-        if (!takes_all)
-            taken &= at_most(dx * dx + dy * dy + dz * dz, all(1 + 1e-5f));
-        if (taken == 0)
-            continue;
-        const int n = to.count;
-        const Floats radius = load_lanes(from.radius + k, taken) * scale;
-        store(to.x + n, compress(taken, x));
-        store(to.y + n, compress(taken, y));
-        store(to.z + n, compress(taken, z));
-        store(to.nx + n, compress(taken, load<Floats>(from.nx + k)));
-        store(to.ny + n, compress(taken, load<Floats>(from.ny + k)));
-        store(to.nz + n, compress(taken, load<Floats>(from.nz + k)));
-        store(to.radius + n, compress(taken, radius));
-        store(to.largest_radius + n, from.largest_radius != nullptr
-                                         ? compress(taken, load<Floats>(from.largest_radius + k) * scale)
-                                         : compress(taken, radius * LocalRules::shrink));
-        store(to.leaf + n, all(leaf));
-        store(to.index + n, compress(taken, lane_numbers + (first_index + k)));
-        to.count += count_of(taken);
-    }
-}
-
-/// A PN tangent: the third of the edge turned into the plane of n.
-PN_INLINE void add_tangent(Floats ex, Floats ey, Floats ez, Floats nx, Floats ny, Floats nz, Floats& x, Floats& y,
-                           Floats& z)
-{
-    const Floats d2 = ex * ex + ey * ey + ez * ez, s = ex * nx + ey * ny + ez * nz;
-    const Floats flat = larger(d2 - s * s, 1e-6f * d2 + 1e-30f);
-    const Floats g = root(d2) * inverse_root(flat) * (1.f / 3);
-    x += (ex - s * nx) * g;
-    y += (ey - s * ny) * g;
-    z += (ez - s * nz) * g;
-}
-
-constexpr int new_member = 1 << 24; ///< Marks new points among the members of N'.
-
-/// N', sorted by angle, in the frame of the refined point. Members are local points.
-struct Front
-{
-    int count;
-    Mask dead;      ///< Gaps that nothing can fill.
-    float farthest; ///< [radii] Of more members than the vectors hold.
-    Floats angle, x, y, z, nx, ny, nz;
-    Ints member;
-};
-struct NewMember
-{
-    float angle, x, y, z, nx, ny, nz;
-    int member;
-};
-
 struct PointRefiner
 {
     const RefineStep& step;
@@ -189,21 +125,6 @@ struct PointRefiner
         start_crowded_front(c, ring, a, f);
     }
 
-    /// Members from the first vectors of the ring and (16 and more) of the arrivals.
-    static PN_INLINE void take_entries(const Ring& ring, const Arrivals& a, Ints entries, Front& f)
-    {
-        const auto take = [&](const float* p, const float* q)
-        { return permute(load<Floats>(p), entries, load<Floats>(q)); };
-        f.angle = take(ring.angle, a.angle);
-        f.x = take(ring.x, a.x);
-        f.y = take(ring.y, a.y);
-        f.z = take(ring.z, a.z);
-        f.nx = take(ring.nx, a.nx);
-        f.ny = take(ring.ny, a.ny);
-        f.nz = take(ring.nz, a.nz);
-        f.member = permute(load<Ints>(ring.source), entries, load<Ints>(a.source) | new_member);
-    }
-
     /// The same for more than a vector holds: the nearest in each sector are enough to find gaps, but all are in reach.
     void start_crowded_front(const Centre& c, const Ring& ring, Arrivals& a, Front& f)
     {
@@ -257,60 +178,6 @@ struct PointRefiner
         }
     }
 
-    /// Gaps of N' in the tangent plane.
-    static PN_INLINE Floats plane_gaps(const Front& f)
-    {
-        return permute(f.angle, successors(f.count)) - f.angle +
-               select(1u << (f.count - 1), all(6.28318531f), Floats{});
-    }
-
-    /// The angles that the curves between them sweep (eq. 5), where that matters.
-    static PN_INLINE Floats measure_gaps(const Front& f, Floats plane, bool curved)
-    {
-        // The curve bends an angle by far less than what lies outside these limits.
-        const Mask unsure = at_most(all(0.9f), plane) & at_most(plane, all(2.6f)) & first_lanes(f.count);
-        if (!curved || unsure == 0)
-            return plane;
-        const Ints next = successors(f.count);
-        const Floats bx = permute(f.x, next), by = permute(f.y, next), bz = permute(f.z, next);
-        const Floats ex = bx - f.x, ey = by - f.y, ez = bz - f.z;
-        Floats cx = f.x, cy = f.y, cz = f.z, dx = bx, dy = by, dz = bz;
-        add_tangent(ex, ey, ez, f.nx, f.ny, f.nz, cx, cy, cz);
-        add_tangent(-ex, -ey, -ez, permute(f.nx, next), permute(f.ny, next), permute(f.nz, next), dx, dy, dz);
-        const auto angle = [](Floats px, Floats py, Floats pz, Floats qx, Floats qy, Floats qz)
-        {
-            const Floats rx = py * qz - pz * qy, ry = pz * qx - px * qz, rz = px * qy - py * qx;
-            return angle_of(px * qx + py * qy + pz * qz, root(rx * rx + ry * ry + rz * rz));
-        };
-        const Floats swept =
-            angle(f.x, f.y, f.z, cx, cy, cz) + angle(cx, cy, cz, dx, dy, dz) + angle(dx, dy, dz, bx, by, bz);
-        return select(unsure, swept, plane);
-    }
-
-    /// Puts a point into N' where its angle belongs.
-    static PN_INLINE void join(const NewMember& m, bool curved, Front& f)
-    {
-        const int n = f.count;
-        const int at = count_of(at_most(f.angle, all(m.angle)) & first_lanes(n));
-        const Mask lane = 1u << at, lower = lane - 1;
-        const Ints places = lane_numbers + select(lower, Ints{}, all(-1));
-        const auto put = [&](Floats& values, float value)
-        { values = select(lane, all(value), permute(values, places)); };
-        put(f.angle, m.angle);
-        put(f.x, m.x);
-        put(f.y, m.y);
-        put(f.z, m.z);
-        if (curved)
-        {
-            put(f.nx, m.nx);
-            put(f.ny, m.ny);
-            put(f.nz, m.nz);
-        }
-        f.member = select(lane, all(m.member), permute(f.member, places));
-        f.count = n + 1;
-        f.dead = ((f.dead & lower) | (f.dead & ~lower) << 1) & ~(lane | 1u << (at == 0 ? n : at - 1));
-    }
-
     /// Lets an arrival join N'.
     PN_INLINE void join_arrival(int k, bool curved, Front& f)
     {
@@ -340,14 +207,6 @@ struct PointRefiner
             bad |= below(squared(a.x + k, a.y + k, a.z + k), reach * reach) & first_lanes(a.count - k);
         }
         return bad != 0;
-    }
-
-    /// How well directions halve the gap: the smaller of the two parts.
-    static PN_INLINE Floats halving(Floats angle, Floats start, Floats width)
-    {
-        Floats t = angle - start;
-        t = select(below(t, Floats{}), t + 6.28318531f, t);
-        return smaller(t, width - t);
     }
 
     /// The new point in the gap nearest to (x, y, z), -1 if there is none.
