@@ -1,11 +1,30 @@
-"""The filter 'Point Cloud Refinement: PN Triangles' in pymeshlab."""
+"""The filter 'Point Cloud Refinement: PN Triangles' in every host, and what only pymeshlab shows of it."""
 import numpy as np
 import pytest
 
-from hosts import BUILD
+from conftest import HOSTS
+from hosts import BUILD, Cloud, FilterSpec
 
 pymeshlab = pytest.importorskip("pymeshlab")
 FILTER = "meshing_point_cloud_refinement_pn"
+SPEC = FilterSpec(
+    "libfilter_pn_refine.so", "Point Cloud Refinement: PN Triangles", FILTER,
+    [("steps", "RichInt", 3, None),
+     ("target_radius", "RichAbsPerc", 0.0, None),
+     ("neighbourhood", "RichEnum", "automatic", ["automatic", "fast fuzzy BSP", "accurate geodesic"]),
+     ("fast", "RichBool", False, None),
+     ("initial_radius", "RichAbsPerc", 0.0, None),
+     ("hole_radius", "RichAbsPerc", 0.0, None),
+     ("boundary_angle", "RichFloat", 150.0, None),
+     ("crease_angle", "RichFloat", 45.0, None),
+     ("detect_creases", "RichBool", False, None),
+     ("preserve_boundaries", "RichBool", True, None),
+     ("preserve_creases", "RichBool", True, None),
+     ("repair_normals", "RichBool", True, None),
+     ("max_points", "RichInt", 50000000, None),
+     ("selected_only", "RichBool", False, None),
+     ("into_new_layer", "RichBool", True, None),
+     ("threads", "RichInt", 0, None)])
 
 
 def sphere_points(n, seed):
@@ -20,6 +39,48 @@ def plugin():
     except pymeshlab.PyMeshLabException as problem:
         if "already" not in str(problem):
             raise
+
+
+@pytest.fixture(params=HOSTS)
+def host(request, make_host):
+    return make_host(request.param, SPEC.plugin)
+
+
+def test_sphere_becomes_dense_in_every_host(host, tmp_path):
+    # Without normals: the filter computes them. Quality: the height, so that what is interpolated is known.
+    points = sphere_points(2000, 7)
+    outcome = host.run(SPEC, Cloud(points, quality=points[:, 2]), {"steps": 2}, tmp_path)
+    assert outcome.error is None, outcome.error
+    assert outcome.layers == 2
+    refined = outcome.surface.points
+    expected = points if host.double else points.astype(np.float32).astype(float)
+    assert np.array_equal(refined[:2000], expected)
+    assert len(refined) == 2000 + outcome.values["new_points"]
+    assert len(refined) > 2.5 * 2000
+    assert np.abs(np.linalg.norm(refined, axis=1) - 1).max() < 0.02
+    assert np.abs(outcome.surface.quality - refined[:, 2]).max() < 0.1
+    assert len(outcome.surface.triangles) == 0
+
+
+def test_parameters_reach_the_filter_in_every_host(host, tmp_path):
+    points = sphere_points(1500, 8)
+    cloud = Cloud(points, selected=np.arange(1500) < 200)
+    outcome = host.run(SPEC, cloud, {"steps": 2, "fast": True, "selected_only": True, "into_new_layer": False}, tmp_path)
+    assert outcome.error is None, outcome.error
+    assert outcome.layers == 1
+    assert 100 < outcome.values["new_points"] < 1500
+    outcome = host.run(SPEC, Cloud(points), {"steps": 6, "max_points": 4000}, tmp_path)
+    assert outcome.error is None, outcome.error
+    assert 1500 < len(outcome.surface.points) <= 4000
+
+
+def test_errors_leave_the_document_in_every_host(host, tmp_path):
+    points = sphere_points(500, 9)
+    for parameters, words in (({"boundary_angle": 10.0}, "boundary angle"), ({"steps": 31}, "steps"),
+                              ({"crease_angle": -1.0}, "crease angle")):
+        outcome = host.run(SPEC, Cloud(points), parameters, tmp_path)
+        assert outcome.error and words in outcome.error
+        assert outcome.unchanged
 
 
 def mesh_set(points, **attributes):
