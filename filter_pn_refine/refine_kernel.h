@@ -89,7 +89,9 @@ struct PointRefiner
             store(a.length + k, d2 * inverse_root(d2 + 1e-30f));
             store(a.angle + k,
                   angle_of(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]));
-            store(a.reach + k, larger(select(admitted, radius * LocalRules::discard, least), least));
+            store(a.reach + k,
+                  larger(select(admitted, smaller(radius, all(LocalRules::discard_most)) * LocalRules::discard, least),
+                         least));
             store(a.near_reach + k, larger(radius * LocalRules::discard_near, least));
             a.free[k / lane_count] = admitted;
         }

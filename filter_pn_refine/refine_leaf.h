@@ -37,6 +37,8 @@ struct LocalRules
 {
     static constexpr float near = 0.57735027f;    ///< lambda_1: what is nearer belongs to the new neighbourhood.
     static constexpr float discard = 0.5f;        ///< lambda_2: around other new points, in their radii (eq. 11).
+    static constexpr float discard_most = 0.75f;  ///< Radii of new points count up to this, in the own radius: a larger
+                                                  ///< one would keep a hole beside the refined point open.
     static constexpr float discard_near = 0.25f;  ///< Around new points of the neighbourhood, in their radii.
     static constexpr float least_distance = 0.1f; ///< To any point, also one with another normal.
     static constexpr float least_usual =
