@@ -30,7 +30,7 @@ plugin::ParameterTable<Options> table()
             "Neighbourhood",
             "How the neighbours of a point are chosen. The accurate one copes better with few samples on curved parts; "
             "automatic uses it only there.")
-        .flag("fast", &Options::fast, "Fast", "Four shortcuts that cost accuracy only where the samples are few.")
+        .flag("fast", &Options::fast, "Fast", "Shortcuts that cost accuracy only where the samples are few.")
         .length(
             "initial_radius", &Options::initial_radius, "Initial radius",
             "Radius of each point at the start; it must reach the point's neighbours. 0: the layer's radii if it has "

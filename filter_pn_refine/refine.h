@@ -25,7 +25,7 @@ struct PnRefineOptions
     int steps = 3;            ///< Refinement steps, each about doubles the points [count], 0 to 30.
     double target_radius = 0; ///< Points with a radius at most this are not refined further [length], >= 0; 0 = off.
     PnNeighbourhood neighbourhood = PnNeighbourhood::automatic;
-    bool fast = false;         ///< All four shortcuts of section 7 everywhere: less exact where samples are few.
+    bool fast = false;         ///< The shortcuts of section 7 everywhere: less exact where samples are few.
     double initial_radius = 0; ///< Radius of each point at the start [length], >= 0; 0 = automatic or given per point.
     double hole_radius = 0;    ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
     double boundary_angle = 150;     ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.

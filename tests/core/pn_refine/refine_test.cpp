@@ -99,6 +99,18 @@ TEST(RefinePoints, SphereBecomesDenseExactAndEven)
     EXPECT_LT(std::sqrt(sum / double(refined.points.size())) * 180 / M_PI, 0.01);
 }
 
+TEST(RefinePoints, EmptyPlacesDoNotOutliveTheSteps)
+{
+    // Where radii shrank below the width of an empty disc, nothing ever filled it: 2.7 spacings on one of these spheres.
+    const Points surface = shapes::sphere(100000, 1, 99).points;
+    for (int seed = 1; seed <= 5; ++seed)
+    {
+        const OrientedSamples samples = shapes::sphere(3500, 1, std::uint64_t(seed));
+        const Points all = all_points(samples, refine_points(samples, one_thread(5)));
+        EXPECT_LT(largest_gap(surface, all), 2.2 * std::sqrt(12.566 / double(all.size()))) << seed;
+    }
+}
+
 TEST(RefinePoints, ErrorFallsWithTheNumberOfSamples)
 {
     const auto error = [](int n)
