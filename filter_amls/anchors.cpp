@@ -18,6 +18,7 @@ constexpr int anchor_levels = 1;  // half octaves above it where the surface is 
 constexpr int landmark_levels = 2;
 constexpr double plain_radius = 2;    // of a landmark's voxel
 constexpr double plain_cosine = 0.6;  // of normals on a plain piece
+constexpr double plain_balance = 0.2; // of the radius: how far the middle of what lies around may be off
 constexpr double plain_slope = 0.5;   // height over the tangent plane [distance]
 constexpr double plain_offset = 0.15; // the same, of the voxel: what noise leaves
 
@@ -100,7 +101,13 @@ AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int 
                         {
                             const int f = coarse[v];
                             search.within(normals.feet[fine[f]], plain_radius * edge_of(f), near);
-                            plain[v] = std::all_of(near.begin(), near.end(),
+                            // Where all lies to one side the surface ends, and balls slip through between few
+                            // landmarks.
+                            Vector offset = Vector::Zero();
+                            for (const int k : near)
+                                offset += (places[k] - normals.feet[fine[f]]) / double(near.size());
+                            plain[v] = offset.norm() <= plain_balance * plain_radius * edge_of(f) &&
+                                       std::all_of(near.begin(), near.end(),
                                                    [&](int k) { return on_one_piece(f, fine_of_place[k]); });
                         }
                     });
@@ -139,12 +146,8 @@ AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int 
         if (fine_of_cell[c] >= 0 && landmark_cell_of_fine[fine_of_cell[c]] >= 0)
             choice.landmark_of_cell[c] = position[landmark_cell_of_fine[fine_of_cell[c]]];
     for (const int c : choice.landmarks)
-    {
-        const LocalScale& scale = cells.scales[c];
-        const bool is_plain = choice.landmark_of_cell[c] >= 0;
-        const double edge = fine_edge * (is_plain ? std::exp2(0.5 * landmark_levels) : 1.0) * scale.width;
-        choice.landmark_spacing.push_back(std::max(edge, 1 / std::sqrt(scale.density)));
-    }
+        choice.landmark_spacing.push_back(
+            std::max(fine_edge * cells.scales[c].width, 1 / std::sqrt(cells.scales[c].density)));
     return choice;
 }
 

@@ -12,7 +12,7 @@ struct AnchorChoice
 {
     std::vector<int> anchors;   ///< Cells at which quadrics are fitted, ascending.
     std::vector<int> landmarks; ///< Cells whose Delaunay balls tell the sides, ascending: an even thinner subset.
-    /// Distance of neighbouring landmarks [length], per landmark.
+    /// Distance of neighbouring landmarks [length] where none were left out, per landmark: balls are measured in it.
     std::vector<double> landmark_spacing;
     /// Per cell: the landmark (a position in `landmarks`) on the same plain piece of surface, whose side it takes over.
     /// -1 where the surface is not plain, and of strays and outliers.

@@ -26,7 +26,7 @@ constexpr double trusting_factor = 1.5; // of opposite ties in the second labell
 constexpr int vote_rounds = 6;
 constexpr int vote_neighbours = 12;
 constexpr double least_vote = 0.1;
-constexpr double gap_spacings = 5; // an edge this long spans a gap
+constexpr double gap_spacings = 8; // an edge this long spans a gap
 constexpr double open_share = 0.3; // of the area: single views have .38 to .67, closed models and busts up to .18
 
 /// Constraint between two balls, or between a ball and the outside.
