@@ -5,7 +5,7 @@ amls_peers.py <plugin.so> <folder with clouds and truth>... [--models name,...] 
 Each cloud <name>.ply has its true surface in <name>.truth (the path of a mesh). The peers get MeshLab's own normals
 (K = 30) and run at FilterScale 2, 4, 8 between two layers: projected onto the cloud (controlmesh) is a copy of it
 (proxymesh), since their default, one layer for both, crashes. AMLS gets the bare points and no parameter. Errors are RMS
-distances to the true mesh in 1e-6 of its diagonal; times are CPU seconds of the process. What the peers reached is kept
+distances to the true mesh in 1e-6 of its diagonal, outliers left out; times are CPU seconds of the process. What the peers reached is kept
 in <folder>/peers.jsonl, one run a line, and is not run again.
 """
 import argparse
@@ -75,6 +75,12 @@ def run_peer(name, points, scale):
     return meshes.mesh(1).vertex_matrix(), seconds
 
 
+def genuine(name, points):
+    """How many points of a cloud are no outliers: in <model>_outliers_<percent> they come first."""
+    model, _, percent = name.rpartition("_outliers_")
+    return round(len(points) / (1 + float(percent) / 100)) if model else len(points)
+
+
 def rms(distances):
     good = distances[np.isfinite(distances)]
     return 1e6 * float(np.sqrt(np.mean(good ** 2)))
@@ -95,7 +101,7 @@ class PeerRuns:
         key = cloud, peer, scale
         if key not in self.found:
             moved, seconds = run_peer(peer, points, scale)
-            run = {"cloud": cloud, "peer": peer, "scale": scale, "rms": rms(truth.distances(moved)), "seconds": seconds}
+            run = {"cloud": cloud, "peer": peer, "scale": scale, "rms": rms(truth.distances(moved[:genuine(cloud, points)])), "seconds": seconds}
             self.found[key] = run
             with self.path.open("a") as out:
                 out.write(json.dumps(run) + "\n")
@@ -127,8 +133,10 @@ def main():
                 if arguments.only_peers:
                     continue
                 moved, seconds = run_amls(points)
-                ours = rms(truth.distances(moved))
-                row = [folder.name, name, str(len(points)), f"{rms(truth.distances(points)):.0f}", f"{ours:.0f}"]
+                count = genuine(name, points)
+                ours = rms(truth.distances(moved[:count]))
+                before = rms(truth.distances(points[:count]))
+                row = [folder.name, name, str(len(points)), f"{before:.0f}", f"{ours:.0f}"]
                 times = [f"{seconds:.2f}"]
                 for peer, found in peers.items():
                     best = min(found)
