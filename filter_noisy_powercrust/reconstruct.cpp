@@ -2,10 +2,10 @@
 
 #include "filter_amls/smooth_mesh.h"
 
-#include <recon/block_search.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
+#include <recon/neighbours.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -32,25 +32,16 @@ void check(const NoisyPowerCrustOptions& options)
 /// Above this share of violated votes right results were rare in trials.
 constexpr double safe_violation = 0.05;
 
-int find_nearest(const BlockSearch& search, const Point& query, double& reach)
-{
-    int index;
-    double squared;
-    search.nearest(query, 1, &index, &squared, reach);
-    return index;
-}
-
 /// Drops triangles of which a corner, the middle of a side or the centre is farther than `length` from every sample.
-void trim(TriangleMesh& mesh, const BlockSearch& search, const Points& samples, double length)
+void trim(TriangleMesh& mesh, const NeighbourSearch& search, const Points& samples, double length)
 {
-    double reach = length;
     std::vector<char> keep;
     for (const auto& t : mesh.triangles)
     {
         const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
         bool near = true;
         for (const Point& p : {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), Point((a + b + c) / 3)})
-            near = near && (p - samples[find_nearest(search, p, reach)]).squaredNorm() <= length * length;
+            near = near && (p - samples[search.nearest(p)]).squaredNorm() <= length * length;
         keep.push_back(near);
     }
     keep_triangles(mesh, keep);
@@ -122,19 +113,14 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         mesh.vertices = frame.to_unit(mesh.vertices);
     }
     times.begin("finish");
-    const BlockSearch search(cloud.distinct);
+    const NeighbourSearch search(cloud.distinct);
     if (options.trim_length > 0)
         trim(mesh, search, cloud.distinct, options.trim_length / frame.scale());
     if (mesh.triangles.empty())
         throw AlgorithmFailure("No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
     result.nearest_sample.resize(mesh.vertices.size());
-    parallel_chunks(mesh.vertices.size(), labelling.threads, 1024, progress.part(0.95, 1, "nearest points"),
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        double reach = 0;
-                        for (std::size_t v = begin; v < end; ++v)
-                            result.nearest_sample[v] = cloud.order[find_nearest(search, mesh.vertices[v], reach)];
-                    });
+    parallel_for(mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
+                 [&](std::size_t v) { result.nearest_sample[v] = cloud.order[search.nearest(mesh.vertices[v])]; });
     const Topology topology = options.trim_length > 0 ? measure_topology(mesh) : measure_closed_topology(mesh);
     result.components = topology.components;
     result.boundary_loops = topology.boundary_loops;
