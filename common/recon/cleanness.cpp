@@ -29,8 +29,7 @@ double measure_cleanness(const Points& samples, int threads)
         const Point& centre = samples[k * stride];
         int indices[around];
         double squared[around];
-        double reach = 0;
-        const int found = search.nearest(centre, around, indices, squared, reach);
+        const int found = search.nearest(centre, around, indices, squared);
         if (found < 5)
             return;
         const double radius = std::sqrt(squared[found - 1]);

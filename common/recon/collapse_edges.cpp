@@ -2,6 +2,7 @@
 
 #include <recon/crust_mesh.h>
 #include <recon/parallel.h>
+#include <recon/weld_clusters.h>
 
 #include <Eigen/Geometry>
 
@@ -17,9 +18,6 @@ namespace
 
 /// Fans of more triangles are slivers again.
 constexpr int most_neighbours = 40;
-/// Edges shorter than this, relative to the scale, join the corners of one sample's cluster; their triangles have no
-/// direction to keep.
-constexpr double cluster_length = 1e-3;
 /// Vertices of a block lie side by side, as the crust's are numbered along a space-filling curve.
 constexpr int block_size = 1 << 14;
 constexpr int gone = -1;

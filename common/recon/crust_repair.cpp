@@ -12,11 +12,6 @@ namespace recon
 namespace
 {
 
-Side opposite(Side side)
-{
-    return side == Side::inner ? Side::outer : Side::inner;
-}
-
 /// Whether the balls `seeds`, all on one side, are connected through that side without passing `excluded`. Searches
 /// from all of them in turn, so that it ends as soon as the smallest region is exhausted.
 bool are_connected_without(int excluded, const std::vector<int>& seeds, const Triangulation& regular,

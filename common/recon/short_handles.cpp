@@ -15,11 +15,6 @@ namespace recon
 namespace
 {
 
-Side opposite(Side side)
-{
-    return side == Side::inner ? Side::outer : Side::inner;
-}
-
 /// Calls f(neighbour) for each neighbour of a ball, some more than once.
 template <class F>
 void visit_neighbours(const Triangulation& regular, const CellsAtVertices& at, int ball, F&& f)

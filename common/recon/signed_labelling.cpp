@@ -366,7 +366,7 @@ void improve_labels(const SignedGraph& graph, std::vector<Side>& labels)
         is_waiting[i] = 0;
         if (graph.is_root[i] || !(rows.agreement(i, labels) < -1e-9))
             continue;
-        labels[i] = labels[i] == Side::inner ? Side::outer : Side::inner;
+        labels[i] = opposite(labels[i]);
         for (int k = rows.first[i]; k < rows.first[i + 1]; ++k)
         {
             const int other = rows.entries[k].node;

@@ -18,6 +18,7 @@ enum class Side : signed char
     inner = 0,
     outer = 1
 };
+inline Side opposite(Side side) { return side == Side::inner ? Side::outer : Side::inner; }
 
 /// Inside/outside as a two-colouring of a graph of attractions and repulsions.
 struct SignedGraph

@@ -10,8 +10,6 @@ namespace recon
 namespace
 {
 
-constexpr double cluster_length = 1e-3;
-
 /// Calls call(corner, next corner) around polygon p.
 template <class Function>
 void for_each_side(const CrustPolygons& polygons, std::size_t p, Function&& call)

@@ -8,6 +8,10 @@
 namespace recon
 {
 
+/// Edges shorter than this, relative to the scale, join the corners of one sample's cluster; their triangles have no direction
+/// to keep.
+constexpr double cluster_length = 1e-3;
+
 /// Crust of which corners that all but coincide are one vertex.
 struct WeldedCrust
 {
@@ -22,7 +26,7 @@ struct WeldedCrust
 /// become triangles is much faster than to collapse their edges one by one.
 /// A cluster is welded if it is a disc (vertices - edges + faces = 1) and no edge gets more than two triangles by it, so the
 /// result is a closed oriented manifold of the same topology.
-/// \param scale per corner, > 0. Edges shorter than 1e-3 of it are inside a cluster.
+/// \param scale per corner, > 0. Edges shorter than cluster_length of it are inside a cluster.
 WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<double>& scale, int threads = 1);
 
 } // namespace recon
