@@ -166,9 +166,17 @@ private:
             crossing.insert(crossing.end(), block.crossing.begin(), block.crossing.end());
             block.crossing.clear();
         }
-        for (const int h : crossing)
-            if (origin(h) != gone)
-                vertices_left_ -= visit(h, c, blocks_[block_of(origin(h))]);
+        // By index: what a collapse makes of the edges around it comes up again here.
+        for (std::size_t i = 0; i < crossing.size(); ++i)
+        {
+            const int h = crossing[i];
+            if (origin(h) == gone)
+                continue;
+            Block& block = blocks_[block_of(origin(h))];
+            vertices_left_ -= visit(h, c, block);
+            crossing.insert(crossing.end(), block.edges[c].begin(), block.edges[c].end());
+            block.edges[c].clear();
+        }
     }
 
     void collapse_block(int b, std::size_t c)

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <numeric>
 #include <thread>
 
@@ -29,14 +31,21 @@ TEST(ParallelFor, PassesOnWhatTheBodyThrows)
 TEST(ParallelFor, ReportsOnTheCallersThreadAndStopsWhenAsked)
 {
     const auto caller = std::this_thread::get_id();
-    int calls = 0;
+    std::atomic<int> calls{0};
     const Progress progress([&](double fraction, const std::string&)
                             {
                                 EXPECT_EQ(std::this_thread::get_id(), caller);
                                 EXPECT_LE(fraction, 1);
                                 return ++calls < 3;
                             });
-    EXPECT_THROW(parallel_for(1'000'000, 2, progress, [](std::size_t) {}, 1), Cancelled);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto body = [&](std::size_t)
+    {
+        // A helper must not take all the chunks while the caller's thread waits for a core.
+        while (std::this_thread::get_id() != caller && calls < 3 && std::chrono::steady_clock::now() < deadline)
+            std::this_thread::yield();
+    };
+    EXPECT_THROW(parallel_for(1'000'000, 2, progress, body, 1), Cancelled);
     EXPECT_EQ(calls, 3);
 }
 
