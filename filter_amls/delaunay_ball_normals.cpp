@@ -94,7 +94,7 @@ DelaunayBallNormals find_delaunay_ball_normals(const Points& input, const Delaun
         with_box.emplace_back(corner & 1 ? box_half_width : -box_half_width,
                               corner & 2 ? box_half_width : -box_half_width,
                               corner & 4 ? box_half_width : -box_half_width);
-    const Triangulation t = triangulate_delaunay(with_box, progress.part(0, 0.7, "Delaunay triangulation"));
+    const Triangulation t = triangulate_delaunay(with_box, progress.part(0, 0.7, "Delaunay triangulation"), threads);
     progress.part(0.7, 1, "Normals").report(0);
 
     std::vector<double> radius(t.finite_cells);

@@ -37,7 +37,7 @@ bool is_medial(const Triangulation& t, const Points& points, int cell, int point
 
 } // namespace
 
-PolarCells find_polar_cells(const Points& points, const Vectors& normals, const Progress& progress)
+PolarCells find_polar_cells(const Points& points, const Vectors& normals, int threads, const Progress& progress)
 {
     const int n = int(points.size());
     Points with_box = points;
@@ -46,7 +46,7 @@ PolarCells find_polar_cells(const Points& points, const Vectors& normals, const 
                               corner & 2 ? box_half_width : -box_half_width,
                               corner & 4 ? box_half_width : -box_half_width);
     PolarCells result;
-    result.delaunay = triangulate_delaunay(with_box, progress);
+    result.delaunay = triangulate_delaunay(with_box, progress, threads);
     const Triangulation& t = result.delaunay;
     result.outer.assign(n, -1);
     result.inner.assign(n, -1);

@@ -24,7 +24,7 @@ struct PolarCells
     std::vector<int> outer, inner;
 };
 /// \pre points are distinct and of unit scale (UnitFrame); normals of unit length.
-PolarCells find_polar_cells(const Points& points, const Vectors& normals, const Progress& progress = {});
+PolarCells find_polar_cells(const Points& points, const Vectors& normals, int threads, const Progress& progress = {});
 
 /// Options of measure_feature_size().
 struct FeatureSizeOptions

@@ -3,6 +3,7 @@
 #include "surface_data.h"
 
 #include <recon/errors.h>
+#include <recon/parallel.h>
 
 namespace recon
 {
@@ -14,8 +15,8 @@ LocalFeatureSize find_local_feature_size(const Points& queries, const AmlsSurfac
     Vectors normals;
     for (const Anchor& a : data.anchors)
         normals.push_back(a.normal);
-    const PolarCells polar =
-        find_polar_cells(data.anchor_positions, normals, progress.part(0, 0.8, "Delaunay triangulation"));
+    const PolarCells polar = find_polar_cells(data.anchor_positions, normals, resolve_threads(options.threads),
+                                              progress.part(0, 0.8, "Delaunay triangulation"));
     LocalFeatureSize result;
     result.poles =
         select_poles(polar.delaunay, data.anchor_positions, normals, data.anchor_spacing, polar.outer, polar.inner);

@@ -100,7 +100,7 @@ Balls make_balls(const Points& points, const Vectors& normals, const std::vector
 {
     const int n = int(points.size());
     Balls balls;
-    PolarCells polar = find_polar_cells(points, normals, progress);
+    PolarCells polar = find_polar_cells(points, normals, threads, progress);
     balls.delaunay = std::move(polar.delaunay);
     balls.outer = std::move(polar.outer);
     balls.inner = std::move(polar.inner);

@@ -23,7 +23,7 @@ constexpr double least_weight = 1e-6;                     // below it no anchor 
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
-constexpr double slack = 0.6;          // widths: how far a point may move before its anchors are gathered again
+constexpr double slack = 0.35;         // widths: how far a point may move before its anchors are gathered again
 constexpr double uneven = 1.25;        // root of the ratio of neighbouring widths
 constexpr double run_radius = 0.65;    // widths
 constexpr int longest_run = 64;
@@ -344,18 +344,21 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
 
     AmlsProjection result;
     resize(result, n);
-    for (std::size_t i = 0; i < n; ++i)
-    {
-        const std::size_t s = std::size_t(spatial.representative[i]);
-        result.points[i] =
-            sorted.status[s] == ProjectionStatus::outlier ? points[i] : data.frame.from_unit(sorted.points[s]);
-        result.normals[i] = sorted.normals[s];
-        result.status[i] = sorted.status[s];
-        result.widths[i] = sorted.widths[s];
-        result.spacings[i] = sorted.spacings[s];
-        result.iterations[i] = sorted.iterations[s];
-        result.neighbours[i] = sorted.neighbours[s];
-    }
+    parallel_for(
+        n, threads, {},
+        [&](std::size_t i)
+        {
+            const std::size_t s = std::size_t(spatial.representative[i]);
+            result.points[i] =
+                sorted.status[s] == ProjectionStatus::outlier ? points[i] : data.frame.from_unit(sorted.points[s]);
+            result.normals[i] = sorted.normals[s];
+            result.status[i] = sorted.status[s];
+            result.widths[i] = sorted.widths[s];
+            result.spacings[i] = sorted.spacings[s];
+            result.iterations[i] = sorted.iterations[s];
+            result.neighbours[i] = sorted.neighbours[s];
+        },
+        4096);
     return result;
 }
 

@@ -11,7 +11,8 @@
 namespace recon
 {
 
-AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options, const Progress& progress)
+AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
+                                    const Progress& progress)
 {
     AmlsReconstruction result;
     PhaseTimes times;
@@ -30,8 +31,8 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const UnitFrame frame(points);
     BallLabellingOptions labelling;
     labelling.threads = resolve_threads(options.threads);
-    const LabelledBalls labelled = label_polar_balls(frame.to_unit(sampled.samples.points), sampled.samples.normals, labelling,
-                                                     times, progress.part(0.4, 0.85, "crust"));
+    const LabelledBalls labelled = label_polar_balls(frame.to_unit(sampled.samples.points), sampled.samples.normals,
+                                                     labelling, times, progress.part(0.4, 0.85, "crust"));
     result.violated_votes = labelled.violated_votes;
     times.begin("crust");
     CrustOptions crust;

@@ -3,6 +3,7 @@
 #include "project.h"
 #include "thin.h"
 
+#include <recon/parallel.h>
 #include <recon/spatial_order.h>
 
 namespace recon
@@ -29,7 +30,7 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
         kept.normals.push_back(projected.normals[i]);
         radii.push_back(0.4 * projected.widths[i]);
     }
-    for (const int i : thin_to_poisson_disks(kept.points, kept.normals, radii))
+    for (const int i : thin_to_poisson_disks(kept.points, kept.normals, radii, resolve_threads(threads)))
     {
         result.samples.points.push_back(kept.points[i]);
         result.samples.normals.push_back(kept.normals[i]);

@@ -20,7 +20,7 @@ struct AmlsSurface::Data
     SpatialOrder spatial; ///< Of the input points.
     Points points;        ///< The distinct ones, in that order.
     Cells cells;
-    BlockSearch cell_search; ///< Of the cells' means.
+    BlockSearch cell_search;  ///< Of the cells' means.
     CellNormals cell_normals; ///< Normals outward.
     std::vector<Anchor> anchors;
     Points anchor_positions;

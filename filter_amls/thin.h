@@ -9,7 +9,9 @@ namespace recon
 
 /// Greedy Poisson-disk subset in a fixed random order: no two chosen points with normals in one half space are closer
 /// than the radius of the one chosen first. Points whose normals disagree do not see each other, so the two sides of a
-/// wall stay. \param radii per point, > 0 [length]. \returns ascending indices.
-std::vector<int> thin_to_poisson_disks(const Points& points, const Vectors& normals, const std::vector<double>& radii);
+/// wall stay. The choice does not depend on the number of threads. \param radii per point, > 0 [length].
+/// \returns ascending indices.
+std::vector<int> thin_to_poisson_disks(const Points& points, const Vectors& normals, const std::vector<double>& radii,
+                                       int threads);
 
 } // namespace recon
