@@ -16,11 +16,11 @@ namespace
 constexpr double fine_edge = 0.5; // widths
 constexpr int anchor_levels = 1;  // half octaves above it where the surface is plain: 0.7 widths
 constexpr int landmark_levels = 2;
-constexpr double plain_radius = 2;    // of a landmark's voxel
-constexpr double plain_cosine = 0.6;  // of normals on a plain piece
-constexpr double plain_balance = 0.2; // of the radius: how far the middle of what lies around may be off
-constexpr double plain_slope = 0.5;   // height over the tangent plane [distance]
-constexpr double plain_offset = 0.15; // the same, of the voxel: what noise leaves
+constexpr double plain_radius = 2;     // of a landmark's voxel
+constexpr double plain_cosine = 0.6;   // of normals on a plain piece
+constexpr double plain_balance = 0.22; // of the radius: how far the middle of what lies around may be off
+constexpr double plain_slope = 0.5;    // height over the tangent plane [distance]
+constexpr double plain_offset = 0.15;  // the same, of the voxel: what noise leaves
 
 /// Whether q, with normal m, continues the piece of surface at p with normal n.
 bool continues(const Point& p, const Vector& n, const Point& q, const Vector& m, double edge)
@@ -78,6 +78,7 @@ AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int 
     };
     std::vector<char> stands_for(fine_count);
     Points places;
+    std::vector<int> place_of_fine(fine_count, -1);
     std::vector<int> fine_of_place;
     for (int f = 0; f < fine_count; ++f)
     {
@@ -85,10 +86,22 @@ AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int 
         stands_for[f] = f == representative || on_one_piece(representative, f);
         if (f == representative || !stands_for[f])
         {
+            place_of_fine[f] = int(places.size());
             places.push_back(normals.feet[fine[f]]);
             fine_of_place.push_back(f);
         }
     }
+    // What a place stands for: how many fine cells, and their middle.
+    std::vector<double> counts(places.size(), 0);
+    Points middles(places.size(), Point::Zero());
+    for (int f = 0; f < fine_count; ++f)
+    {
+        const int place = place_of_fine[stands_for[f] ? coarse[coarse_of_fine[f]] : f];
+        counts[place] += 1;
+        middles[place] += normals.feet[fine[f]];
+    }
+    for (std::size_t i = 0; i < places.size(); ++i)
+        middles[i] /= counts[i];
 
     // Plain: all around lies on the same piece.
     std::vector<std::uint8_t> plain(coarse.size());
@@ -103,10 +116,18 @@ AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int 
                             search.within(normals.feet[fine[f]], plain_radius * edge_of(f), near);
                             // Where all lies to one side the surface ends, and balls slip through between few
                             // landmarks.
+                            const double radius = plain_radius * edge_of(f);
                             Vector offset = Vector::Zero();
+                            double total = 0;
                             for (const int k : near)
-                                offset += (places[k] - normals.feet[fine[f]]) / double(near.size());
-                            plain[v] = offset.norm() <= plain_balance * plain_radius * edge_of(f) &&
+                            {
+                                const Vector d = middles[k] - normals.feet[fine[f]];
+                                const double weight =
+                                    counts[k] * std::max(0.0, 1 - d.squaredNorm() / (radius * radius));
+                                offset += weight * d;
+                                total += weight;
+                            }
+                            plain[v] = offset.norm() <= plain_balance * radius * total &&
                                        std::all_of(near.begin(), near.end(),
                                                    [&](int k) { return on_one_piece(f, fine_of_place[k]); });
                         }

@@ -18,7 +18,7 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double cell_edge = 0.45;   // widths
+constexpr double cell_edge = 0.6;    // widths
 constexpr double normal_cut = 2.3;   // normal widths
 constexpr double normal_points = 30; // effective points that a normal needs
 constexpr double least_spread = 0.3; // of the variance that a filled window has

@@ -2,8 +2,8 @@
 
 #include "local_scales.h"
 
-#include <recon/geometry.h>
 #include <recon/block_search.h>
+#include <recon/geometry.h>
 #include <recon/progress.h>
 
 #include <cstdint>

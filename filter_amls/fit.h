@@ -1,7 +1,6 @@
 #pragma once
 
-#include "cells.h"
-
+#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -21,12 +20,27 @@ struct Anchor
     double width;                  ///< h at the anchor [length].
 };
 
-/// Fits a quadric to the cells around each anchor, twice, the second time about the first and robustly (recipe step 7).
-/// Where that fails, turns by more than 60 degrees or moves too far, the anchor stays the plane of its cell.
-/// \param search of the cells' means. \param normals oriented, one per cell. \param feet of the cells. \param widths h
-/// per anchor [length].
-std::vector<Anchor> fit_anchors(const Cells& cells, const BlockSearch& search, const Vectors& normals,
-                                const Points& feet, const std::vector<int>& anchors, const std::vector<double>& widths,
-                                int threads, const Progress& progress = {});
+/// What quadrics are fitted to: the points themselves, since the mean of a cell no longer tells good ones from bad.
+struct FitSamples
+{
+    const Points& points; ///< In spatial order.
+    const BlockSearch& search;
+    std::vector<double> weights; ///< 0 for outliers.
+    Vectors normals;             ///< Oriented: points that face the other way do not count.
+};
+
+/// Place, plane and scales that the fit of an anchor begins with.
+struct FitStart
+{
+    Point foot;
+    Vector normal; ///< Unit length, outward.
+    double width;  ///< h [length].
+    double sigma;  ///< Standard deviation of the noise [length].
+};
+
+/// Fits a quadric to the samples around each anchor, twice, the second time about the first and robustly (recipe step
+/// 7). Where that fails, turns by more than 60 degrees or moves too far, the anchor stays the plane it began with.
+std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, int threads,
+                                const Progress& progress = {});
 
 } // namespace recon

@@ -20,17 +20,17 @@ using simd::Lanes;
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int ladder = 7;
-constexpr double rung = 1.27;          // ratio of widths; 1.6 times the points
-constexpr double fewest_points = 16;   // effective points at the narrowest width
+constexpr double rung = 1.27;            // ratio of widths; 1.6 times the points
+constexpr double fewest_points = 16;     // effective points at the narrowest width
 constexpr double narrowest_sigmas = 1.5; // below it the neighbourhood is thicker than wide
-constexpr double quadric_cut = 2.6;    // widths
-constexpr double largest_step = 5;     // sigmas by which two heights differ at most
+constexpr double quadric_cut = 2.6;      // widths
+constexpr double largest_step = 5;       // sigmas by which two heights differ at most
 constexpr int pooled_seeds = 40;
 constexpr double global_share = 0.3; // weight of the mean over all seeds beside the pooled ones
 constexpr int smoothing_seeds = 15;
-constexpr double seed_reach = 0.3;  // of the distance of close seeds
-constexpr double affordable = 1200;         // points per seed; beyond it fewer seeds are asked
-constexpr double beyond = 1e10;     // coordinate of entries that pad the arrays
+constexpr double seed_reach = 0.3; // of the distance of close seeds
+constexpr double affordable = 600; // points per seed; beyond it fewer seeds are asked
+constexpr double beyond = 1e10;    // coordinate of entries that pad the arrays
 /// The noise estimate means the length; here an estimate that is high by 10 % hides as much bias, so it is taken lower.
 constexpr double caution = 0.85;
 /// A cloud without noise still needs a unit in which to weigh the bias [share of the spacing].
@@ -234,7 +234,8 @@ double find_minimum(const Risks& risks)
 
 } // namespace
 
-LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int threads, const Progress& progress)
+LocalScales choose_widths(const Points& points, const BlockSearch& search, const NoiseEstimate& noise, int threads,
+                          const Progress& progress)
 {
     const int m = noise.size();
     LocalScales result{noise, std::vector<LocalScale>(m), 0};
@@ -259,7 +260,6 @@ LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int 
         asked.push_back(noise.seeds()[i]);
         asked_index.push_back(i);
     }
-    const BlockSearch search(points);
     std::vector<Risks> risks(asked.size());
     parallel_chunks(asked.size(), threads, 16, progress,
                     [&](std::size_t begin, std::size_t end)

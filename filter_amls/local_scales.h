@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/noise.h>
 #include <recon/progress.h>
@@ -31,7 +32,8 @@ struct LocalScales
 /// over a ladder of widths are linear smoothers z_j = sum l_j z, so the squared difference to the narrowest one, less
 /// its variance, tells the bias, and sum l_j^2 the variance; their sum is smallest at the best width. \pre `points` are
 /// distinct, finite, in spatial order (order_spatially()) and of unit scale. \param noise seeds, noise and density of
-/// these points. \throws Cancelled.
-LocalScales choose_widths(const Points& points, const NoiseEstimate& noise, int threads, const Progress& progress = {});
+/// these points. \param search of the points. \throws Cancelled.
+LocalScales choose_widths(const Points& points, const BlockSearch& search, const NoiseEstimate& noise, int threads,
+                          const Progress& progress = {});
 
 } // namespace recon

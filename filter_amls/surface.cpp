@@ -164,7 +164,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         noise = with_given_noise(noise, options.noise / frame.scale());
 
     times.begin("width");
-    const LocalScales scales = choose_widths(data->points, noise, threads, progress.part(0.05, 0.15, "Width"));
+    const BlockSearch search(data->points);
+    const LocalScales scales = choose_widths(data->points, search, noise, threads, progress.part(0.05, 0.15, "Width"));
     times.begin("cells");
     Cells& cells = data->cells;
     cells = average_cells(data->points, scales, threads, progress.part(0.15, 0.2, "Cells"));
@@ -225,20 +226,29 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         for (std::size_t a = 0; a < anchors.size(); ++a)
             widths[a] = std::clamp(options.rho_e * feature_size[a] / rho_per_width,
                                    narrowest_spacings / std::sqrt(cells.scales[anchors[a]].density), widest);
-        const NeighbourSearch search(feet);
+        const NeighbourSearch feet_search(feet);
         parallel_for(
             std::size_t(cells.size()), threads, {},
-            [&](std::size_t c) { cells.scales[c].width = widths[search.nearest(normals.feet[c])]; }, 1024);
+            [&](std::size_t c) { cells.scales[c].width = widths[feet_search.nearest(normals.feet[c])]; }, 1024);
     }
     std::vector<double> equivalent;
     for (std::size_t i = 0; i < asked.size(); ++i)
         if (std::isfinite(feature_size[i]))
             equivalent.push_back(rho_per_width * widths[i * stride] / feature_size[i]);
-    for (int c = 0; c < cells.size(); ++c)
-        if (normals.kinds[c] == CellKind::outlier)
-            cells.counts[c] = 0;
-    data->anchors = fit_anchors(cells, data->cell_search, normals.normals, normals.feet, anchors, widths, threads,
-                                progress.part(0.85, 1, "Fit"));
+    std::vector<FitStart> starts;
+    for (std::size_t a = 0; a < anchors.size(); ++a)
+        starts.push_back({feet[a], normals.normals[anchors[a]], widths[a], cells.scales[anchors[a]].sigma});
+    FitSamples samples{data->points, search, std::vector<double>(data->points.size()), Vectors(data->points.size())};
+    parallel_for(
+        data->points.size(), threads, {},
+        [&](std::size_t i)
+        {
+            const int c = cells.cell_of_point[i];
+            samples.weights[i] = normals.kinds[c] == CellKind::outlier ? 0 : 1;
+            samples.normals[i] = normals.normals[c];
+        },
+        4096);
+    data->anchors = fit_anchors(samples, starts, threads, progress.part(0.85, 1, "Fit"));
     for (const Anchor& anchor : data->anchors)
         data->anchor_positions.push_back(anchor.position);
     data->anchor_search = BlockSearch(data->anchor_positions);
