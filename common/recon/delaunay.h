@@ -7,9 +7,8 @@
 namespace recon
 {
 
-/// Delaunay triangulation of points (CGAL, exact predicates), with the circumcentres of its cells. Of equal points only one
-/// becomes a vertex. Deterministic for a given order of points. `threads` (>= 1) share what follows CGAL's insertion: its parallel
-/// mode spins on locks, and on a busy machine took nine times the processor time.
+/// Delaunay triangulation of points (RegularTriangulation: exact predicates), with the circumcentres of its cells. Of equal
+/// points only the first becomes a vertex. The same for any number of threads (>= 1).
 /// \pre points are finite; at least 4 are affinely independent; coordinates of the order of 1 (UnitFrame).
 /// \throws Cancelled.
 Triangulation triangulate_delaunay(const Points& points, const Progress& progress = {}, int threads = 1);

@@ -11,7 +11,6 @@
 #include <recon/short_handles.h>
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 namespace recon
@@ -134,18 +133,11 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     const Points free_samples = samples; // without the corners of the box
     append_box_corners(samples);
 
-    // Step 1, beside the spacing, which needs no triangulation.
-    Triangulation delaunay;
-    std::optional<NeighbourSearch> search;
-    SampleSpacing spacing;
-    parallel_invoke(
-        threads,
-        [&] { delaunay = triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation"), threads); },
-        [&]
-        {
-            search.emplace(free_samples);
-            spacing = measure_spacing(free_samples, *search, 1);
-        });
+    // Step 1.
+    Triangulation delaunay =
+        triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation"), threads);
+    const NeighbourSearch search(free_samples);
+    const SampleSpacing spacing = measure_spacing(free_samples, search, threads);
 
     // Steps 2 and 3.
     times.begin("polar balls");
@@ -164,15 +156,11 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     delaunay = Triangulation();
     progress.part(0.3, 0.35, "polar balls").report(1);
 
-    // Step 4, beside the votes, which need no diagram.
+    // Step 4.
     times.begin("power diagram");
-    std::optional<PowerDiagram> built;
-    std::vector<SignedEdge> votes;
-    parallel_invoke(
-        threads, [&] { built.emplace(kept.balls, progress.part(0.35, 0.6, "power diagram")); },
-        [&] { votes = list_opposite_votes(samples, kept, *search, 1); });
-    PowerDiagram& diagram = *built;
-    Triangulation regular = diagram.triangulation(threads);
+    PowerDiagram diagram(kept.balls);
+    Triangulation regular = diagram.triangulation(threads, progress.part(0.35, 0.6, "power diagram"));
+    const std::vector<SignedEdge> votes = list_opposite_votes(samples, kept, search, threads);
 
     // Step 5.
     times.begin("labels");

@@ -21,8 +21,9 @@ public:
     Progress() = default; ///< Silent, never cancels.
     explicit Progress(Callback callback);
 
-    /// The part of this progress from `begin` to `end` (fractions of it), under the name `phase`.
+    /// The part of this progress from `begin` to `end` (fractions of it), under the name `phase` or its own.
     Progress part(double begin, double end, const std::string& phase) const;
+    Progress part(double begin, double end) const { return part(begin, end, phase_); }
 
     /// \throws Cancelled if the caller asks to stop.
     void report(double fraction) const;

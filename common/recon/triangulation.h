@@ -19,12 +19,17 @@ struct Triangulation
         std::array<int, 4> neighbours; ///< Neighbour i lies opposite vertex i.
 
         /// Position of vertex v in the cell, 4 if it is none of its vertices.
-        int position_of(int v) const
+        int position_of(int v) const { return find(vertices, v); }
+        /// Position of the vertex across whose facet the cell lies, 4 if it is not a neighbour.
+        int position_across(int cell) const { return find(neighbours, cell); }
+
+    private:
+        /// Without branches: nobody can predict them.
+        static int find(const std::array<int, 4>& values, int value)
         {
-            int i = 0;
-            while (i < 4 && vertices[i] != v)
-                ++i;
-            return i;
+            const int found = int(values[0] == value) | int(values[1] == value) << 1 | int(values[2] == value) << 2 |
+                              int(values[3] == value) << 3;
+            return found == 0 ? 4 : __builtin_ctz(unsigned(found));
         }
     };
 

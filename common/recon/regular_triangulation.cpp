@@ -1,0 +1,595 @@
+#include <recon/regular_triangulation.h>
+
+#include <recon/parallel.h>
+#include <recon/power_centre.h>
+#include <recon/scramble.h>
+#include <recon/spatial_order.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <numeric>
+#include <thread>
+
+namespace recon
+{
+namespace
+{
+
+/// Points on a surface have some seven cells each.
+constexpr int expected_cells = 8;
+/// Fewer sites are not worth threads.
+constexpr std::size_t parallel_above = 4096;
+constexpr std::size_t report_every = 4096;
+
+} // namespace
+
+RegularTriangulation::RegularTriangulation(const Points& points, const std::vector<double>& weights,
+                                           const std::vector<int>& members, int threads, const Progress& progress)
+{
+    order_sites(points, weights, members);
+    grow(expected_cells * sites_.size() + 64);
+    serial_.unused_end = int(marks_.size());
+    progress.report(0);
+    if (make_first_cells())
+        insert_all(threads, progress);
+    else
+        used_ = 0;
+}
+
+void RegularTriangulation::order_sites(const Points& points, const std::vector<double>& weights,
+                                       const std::vector<int>& members)
+{
+    Points own;
+    own.reserve(members.size());
+    for (const int i : members)
+        own.push_back(points[i]);
+    const SpatialOrder along = order_spatially(own);
+    indices_.assign(along.order.size(), none);
+    for (std::size_t k = 0; k < members.size(); ++k)
+    {
+        int& best = indices_[along.representative[k]];
+        const int i = members[k];
+        if (best == none || (weights.empty() ? i < best : weights[i] > weights[best] || (weights[i] == weights[best] && i < best)))
+            best = i;
+    }
+    sites_.reserve(indices_.size());
+    for (const int i : indices_)
+        sites_.push_back({points[i].x(), points[i].y(), points[i].z(), weights.empty() ? 0 : weights[i]});
+}
+
+void RegularTriangulation::grow(std::size_t capacity)
+{
+    std::unique_ptr<Cell[]> larger(new Cell[capacity]);
+    std::copy_n(cells_.get(), marks_.size(), larger.get());
+    cells_ = std::move(larger);
+    marks_.resize(capacity, 0);
+    owners_.reset();
+}
+
+bool RegularTriangulation::make_first_cells()
+{
+    const int n = int(sites_.size());
+    if (n < 4)
+        return false;
+    // The flattest start is as good as any: exact signs find four sites that span a volume if there are any. Sites far apart
+    // along the curve come first, for the exact tests of flat ones are slow.
+    const auto spans_area = [&](int c)
+    {
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            Site apex = sites_[0];
+            (axis == 0 ? apex.x : axis == 1 ? apex.y : apex.z) += 1;
+            if (find_orientation(sites_[0], sites_[n - 1], sites_[c], apex) != 0)
+                return true;
+        }
+        return false;
+    };
+    int c = 1;
+    while (c < n - 1 && !spans_area(c))
+        ++c;
+    int d = 1, orientation = 0;
+    for (; c < n - 1 && d < n - 1; ++d)
+        if (d != c && (orientation = find_orientation(sites_[0], sites_[n - 1], sites_[c], sites_[d])) != 0)
+            break;
+    if (orientation == 0)
+        return false;
+
+    Cell& first = cells_[0];
+    first.vertices = {0, n - 1, c, d};
+    if (orientation < 0)
+        std::swap(first.vertices[2], first.vertices[3]);
+    first.neighbours = {1, 2, 3, 4};
+    for (int i = 0; i < 4; ++i)
+    {
+        // An odd permutation turns the facet to see the outside.
+        Cell& outer = cells_[1 + i];
+        const int j = (i + 1) % 4, k = (i + 2) % 4;
+        outer.vertices = first.vertices;
+        outer.vertices[i] = Triangulation::infinite;
+        std::swap(outer.vertices[j], outer.vertices[k]);
+        for (int m = 0; m < 4; ++m)
+        {
+            // Across the facet opposite a finite vertex lies the outer cell without it.
+            const int position = first.position_of(outer.vertices[m]);
+            outer.neighbours[m] = position < 4 ? 1 + position : 0;
+        }
+    }
+    used_ = 5;
+    serial_.unused_begin = used_;
+    serial_.hint = 0;
+    is_first_.assign(sites_.size(), 0);
+    for (const int v : first.vertices)
+        is_first_[v] = 1;
+    return true;
+}
+
+void RegularTriangulation::insert_all(int threads, const Progress& progress)
+{
+    // Rounds of random subsets, each eight times the one before, bound the expected work (Amenta, Choi and Rote 2003); along
+    // the curve within a round, so that the next site is near the last.
+    int rounds = 1;
+    for (std::size_t left = sites_.size(); left > 512; left /= 8)
+        ++rounds;
+    const auto round_of = [&](std::size_t site)
+    {
+        int round = rounds - 1;
+        for (std::uint64_t bits = scramble(site * splitmix_step); round > 0 && (bits & 7) == 0; bits >>= 3)
+            --round;
+        return round;
+    };
+    std::vector<std::vector<int>> members(rounds);
+    for (std::size_t i = 0; i < sites_.size(); ++i)
+        if (!is_first_[i])
+            members[round_of(i)].push_back(int(i));
+    double done = 0;
+    for (const std::vector<int>& round : members)
+    {
+        const double end = done + double(round.size());
+        const Progress part = progress.part(done / double(sites_.size()), end / double(sites_.size()));
+        done = end;
+        if (threads > 1 && round.size() > parallel_above)
+            insert_side_by_side(round, threads, part);
+        else
+            insert_one_by_one(round, part);
+    }
+}
+
+void RegularTriangulation::insert_one_by_one(const std::vector<int>& sites, const Progress& progress)
+{
+    for (std::size_t i = 0; i < sites.size(); ++i)
+    {
+        if (i % report_every == 0)
+            progress.report(double(i) / double(sites.size()));
+        if (insert(sites[i], serial_) != Outcome::out_of_cells)
+            continue;
+        const int capacity = int(marks_.size());
+        grow(std::size_t(capacity) + std::size_t(capacity) / 2 + serial_.hull.size());
+        serial_.unused_end = int(marks_.size());
+        insert(sites[i], serial_);
+    }
+}
+
+void RegularTriangulation::insert_side_by_side(const std::vector<int>& sites, int threads, const Progress& progress)
+{
+    const std::size_t count = std::min({std::size_t(threads), sites.size() / (parallel_above / 4), std::size_t(255)});
+    const auto share = [&](std::size_t k) { return k * sites.size() / count; };
+    const std::size_t cells = expected_cells * (sites.size() / count + 1);
+    if (std::size_t(serial_.unused_end - serial_.unused_begin) < cells * count)
+        grow(std::size_t(serial_.unused_begin) + cells * count);
+    if (!owners_)
+        owners_.reset(new std::atomic<std::uint8_t>[marks_.size()]());
+    const int hint = find_any_cell();
+    std::vector<Worker> workers(count);
+    int next_cell = serial_.unused_begin;
+    for (std::size_t k = 0; k < count; ++k)
+    {
+        Worker& w = workers[k];
+        w.owner = std::uint8_t(k + 1);
+        w.hint = hint;
+        w.unused_begin = next_cell;
+        w.unused_end = next_cell += int(cells);
+        w.random = std::uint32_t(k + 1);
+    }
+    const auto caller = std::this_thread::get_id();
+    parallel_for(
+        count, threads, {},
+        [&](std::size_t k)
+        {
+            Worker& w = workers[k];
+            for (std::size_t i = share(k); i < share(k + 1); ++i)
+            {
+                if (i % report_every == 0 && std::this_thread::get_id() == caller)
+                    progress.report(double(i - share(k)) / double(share(k + 1) - share(k)));
+                const Outcome outcome = insert(sites[i], w);
+                if (outcome == Outcome::put_off || outcome == Outcome::out_of_cells)
+                    w.put_off.push_back(sites[i]);
+            }
+        },
+        1);
+
+    progress.report(1); // also where the caller's thread came too late for any stretch
+    std::vector<int> put_off;
+    for (Worker& w : workers)
+    {
+        put_off.insert(put_off.end(), w.put_off.begin(), w.put_off.end());
+        serial_.free.insert(serial_.free.end(), w.free.begin(), w.free.end());
+        for (int c = w.unused_begin; c < w.unused_end; ++c)
+        {
+            cells_[c].vertices[0] = dead;
+            serial_.free.push_back(c);
+        }
+    }
+    used_ = next_cell;
+    serial_.unused_begin = next_cell;
+    serial_.unused_end = int(marks_.size());
+    serial_.hint = find_any_cell();
+    insert_one_by_one(put_off, progress.part(1, 1));
+}
+
+int RegularTriangulation::find_any_cell() const
+{
+    int c = 0;
+    while (cells_[c].vertices[0] == dead || is_infinite(cells_[c]))
+        ++c;
+    return c;
+}
+
+RegularTriangulation::Outcome RegularTriangulation::insert(int site, Worker& worker)
+{
+    Outcome outcome = Outcome::inserted;
+    worker.conflicts.clear();
+    worker.others.clear();
+    const int first = locate(site, worker);
+    if (first == none || !own_for_test(first, worker))
+        outcome = Outcome::put_off;
+    else if (!is_in_conflict(cells_[first], site))
+        outcome = Outcome::hidden;
+    else if (!find_conflicts(site, first, worker))
+        outcome = Outcome::put_off;
+    else if (!find_fresh_cells(worker))
+        outcome = Outcome::out_of_cells;
+    else
+        fill_hole(site, worker);
+    for (const int c : worker.conflicts)
+        marks_[c] = 0;
+    for (const int c : worker.others)
+        marks_[c] = 0;
+    disown(worker);
+    return outcome;
+}
+
+/// Makes the worker the cell's owner. \returns false if it has another.
+bool RegularTriangulation::own(int cell, Worker& worker)
+{
+    if (worker.owner == nobody)
+        return true;
+    std::uint8_t owner = owners_[cell].load(std::memory_order_relaxed);
+    if (owner == worker.owner)
+        return true;
+    if (owner != nobody || !owners_[cell].compare_exchange_strong(owner, worker.owner, std::memory_order_acquire))
+        return false;
+    worker.owned.push_back(cell);
+    return true;
+}
+
+void RegularTriangulation::disown(Worker& worker)
+{
+    for (const int c : worker.owned)
+        owners_[c].store(nobody, std::memory_order_release);
+    worker.owned.clear();
+}
+
+/// Walks from the hint to a cell that contains the site, or to an infinite one that sees it; `none` if a cell on the way has
+/// another owner.
+int RegularTriangulation::locate(int site, Worker& worker)
+{
+    int c = worker.hint, previous = none;
+    // Another thread may have taken it out, or used it anew.
+    while (!own(c, worker) || cells_[c].vertices[0] == dead)
+        c = (c + 1) % used_;
+    if (is_infinite(cells_[c]))
+    {
+        previous = c;
+        c = cells_[c].neighbours[cells_[c].position_of(Triangulation::infinite)];
+        if (!own(c, worker))
+            return none;
+    }
+    for (;;)
+    {
+        const Cell& cell = cells_[c];
+        if (is_infinite(cell))
+            return c;
+        worker.random = worker.random * 1664525u + 1013904223u;
+        const int start = int(worker.random >> 30);
+        int next = none;
+        for (int k = 0; k < 4 && next == none; ++k)
+        {
+            const int i = (start + k) & 3;
+            if (cell.neighbours[i] != previous && find_orientation_with(cell, i, site) < 0)
+                next = cell.neighbours[i];
+        }
+        if (next == none)
+            return c;
+        if (!own(next, worker))
+            return none;
+        previous = c;
+        c = next;
+    }
+}
+
+/// Makes the worker the owner of what is_in_conflict() reads.
+bool RegularTriangulation::own_for_test(int cell, Worker& worker)
+{
+    if (!own(cell, worker))
+        return false;
+    const Cell& c = cells_[cell];
+    return worker.owner == nobody || !is_infinite(c) || own(c.neighbours[c.position_of(Triangulation::infinite)], worker);
+}
+
+/// Lists and marks the cells in conflict with the site, and the hull of them. \returns false if a cell has another owner.
+bool RegularTriangulation::find_conflicts(int site, int first, Worker& worker)
+{
+    worker.conflicts.push_back(first);
+    worker.hull.clear();
+    marks_[first] = 1;
+    for (std::size_t k = 0; k < worker.conflicts.size(); ++k)
+    {
+        const Cell& cell = cells_[worker.conflicts[k]];
+        for (int i = 0; i < 4; ++i)
+        {
+            const int beside = cell.neighbours[i];
+            if (!own_for_test(beside, worker))
+                return false;
+            int& mark = marks_[beside];
+            if (mark == 0 && is_in_conflict(cells_[beside], site))
+            {
+                worker.conflicts.push_back(beside);
+                mark = int(worker.conflicts.size());
+                for (const int next : cells_[beside].neighbours)
+                {
+                    __builtin_prefetch(&cells_[next]);
+                    __builtin_prefetch(&marks_[next]);
+                }
+            }
+            else if (mark == 0)
+            {
+                worker.others.push_back(beside);
+                mark = -1;
+            }
+            if (mark < 0)
+                worker.hull.push_back({int(k), i});
+        }
+    }
+    return true;
+}
+
+bool RegularTriangulation::find_fresh_cells(Worker& worker)
+{
+    worker.fresh.clear();
+    std::size_t tried = 0;
+    // One that a thread looks at as its hint has to wait.
+    while (worker.fresh.size() < worker.hull.size() && tried < worker.free.size())
+    {
+        const std::size_t at = worker.free.size() - 1 - tried;
+        if (own(worker.free[at], worker))
+        {
+            worker.fresh.push_back(worker.free[at]);
+            worker.free.erase(worker.free.begin() + std::ptrdiff_t(at));
+        }
+        else
+            ++tried;
+    }
+    while (worker.fresh.size() < worker.hull.size() && worker.unused_begin < worker.unused_end)
+    {
+        worker.fresh.push_back(worker.unused_begin++);
+        own(worker.fresh.back(), worker);
+    }
+    if (worker.fresh.size() == worker.hull.size())
+        return true;
+    worker.free.insert(worker.free.end(), worker.fresh.begin(), worker.fresh.end());
+    for (const int c : worker.fresh)
+        cells_[c].vertices[0] = dead;
+    return false;
+}
+
+/// Replaces the conflicts by cells from the site to their hull.
+void RegularTriangulation::fill_hole(int site, Worker& worker)
+{
+    worker.made.resize(worker.conflicts.size());
+    for (std::size_t k = 0; k < worker.hull.size(); ++k)
+    {
+        const auto [conflict, facet] = worker.hull[k];
+        const int made = worker.fresh[k];
+        worker.made[conflict][facet] = made;
+        const int old = worker.conflicts[conflict];
+        Cell& cell = cells_[made];
+        cell.vertices = cells_[old].vertices;
+        cell.vertices[facet] = site;
+        cell.neighbours.fill(none);
+        const int beside = cells_[old].neighbours[facet];
+        cell.neighbours[facet] = beside;
+        Cell& other = cells_[beside];
+        other.neighbours[other.position_across(old)] = made;
+        if (!is_infinite(cell))
+            worker.hint = made;
+    }
+    for (const auto& [conflict, facet] : worker.hull)
+        for (int i = 0; i < 4; ++i)
+            if (cells_[worker.made[conflict][facet]].neighbours[i] == none)
+                join(conflict, facet, i, worker);
+    if (&worker == &serial_)
+        used_ = worker.unused_begin;
+    for (const int c : worker.conflicts)
+    {
+        cells_[c].vertices[0] = dead;
+        worker.free.push_back(c);
+    }
+}
+
+/// Joins the new cell at a facet of the hull to the next one, across the facet opposite its vertex at `edge_opposite`: turns
+/// through the conflicts around the edge that the two have in common.
+void RegularTriangulation::join(int conflict, int facet, int edge_opposite, const Worker& worker)
+{
+    const int from = worker.made[conflict][facet];
+    int c = worker.conflicts[conflict], exit = edge_opposite;
+    int pivot = cells_[c].vertices[facet];
+    for (;;)
+    {
+        const int beside = cells_[c].neighbours[exit];
+        if (marks_[beside] <= 0)
+            break;
+        const Cell& next = cells_[beside];
+        exit = next.position_of(pivot);
+        pivot = next.vertices[next.position_across(c)];
+        c = beside;
+    }
+    const int to = worker.made[marks_[c] - 1][exit];
+    cells_[from].neighbours[edge_opposite] = to;
+    cells_[to].neighbours[cells_[c].position_of(pivot)] = from;
+}
+
+/// Orientation of the cell with the site in the place of one of its vertices.
+int RegularTriangulation::find_orientation_with(const Cell& c, int position, int site) const
+{
+    std::array<int, 4> v = c.vertices;
+    v[position] = site;
+    return find_orientation(sites_[v[0]], sites_[v[1]], sites_[v[2]], sites_[v[3]]);
+}
+
+bool RegularTriangulation::is_in_conflict(const Cell& c, int site) const
+{
+    const auto& v = c.vertices;
+    if (is_infinite(c))
+    {
+        const int i = c.position_of(Triangulation::infinite);
+        const int orientation = find_orientation_with(c, i, site);
+        // In the plane of the facet the sphere of the cell behind it decides, which meets the plane in the facet's circle.
+        return orientation != 0 ? orientation > 0 : is_in_conflict(cells_[c.neighbours[i]], site);
+    }
+    const int side = find_power_side(sites_[v[0]], sites_[v[1]], sites_[v[2]], sites_[v[3]], sites_[site]);
+    return side != 0 ? side > 0 : is_in_perturbed_conflict(c, site);
+}
+
+/// The sign of the power side if the weight of each site were larger by an infinitesimal, that of lower indices by one
+/// infinitely larger: a heavier new site is in conflict; a heavier vertex moves the sphere away from the new site where its
+/// barycentric coordinate there is positive, towards it where that is negative.
+bool RegularTriangulation::is_in_perturbed_conflict(const Cell& c, int site) const
+{
+    std::array<int, 4> order{0, 1, 2, 3};
+    std::sort(order.begin(), order.end(), [&](int i, int j) { return indices_[c.vertices[i]] < indices_[c.vertices[j]]; });
+    for (const int i : order)
+    {
+        if (indices_[site] < indices_[c.vertices[i]])
+            return true;
+        const int coordinate = find_orientation_with(c, i, site);
+        if (coordinate != 0)
+            return coordinate < 0;
+    }
+    return true;
+}
+
+/// The cell with indices of points for vertices, in ascending order but for the last two.
+RegularTriangulation::Cell RegularTriangulation::name_vertices(Cell cell) const
+{
+    for (int& v : cell.vertices)
+        v = v == Triangulation::infinite ? v : indices_[v];
+    bool odd = false;
+    const auto exchange = [&](int p, int q)
+    {
+        std::swap(cell.vertices[p], cell.vertices[q]);
+        std::swap(cell.neighbours[p], cell.neighbours[q]);
+        odd = !odd;
+    };
+    for (const auto& [p, q] : {std::pair(0, 1), std::pair(2, 3), std::pair(0, 2), std::pair(1, 3), std::pair(1, 2)})
+        if (cell.vertices[p] > cell.vertices[q])
+            exchange(p, q);
+    if (odd)
+        exchange(2, 3);
+    return cell;
+}
+
+Triangulation RegularTriangulation::flatten(const Points& points, const std::vector<double>& weights, int threads) const
+{
+    constexpr std::size_t grain = 8192;
+    const std::size_t n = points.size();
+    // Buckets by the lowest vertex, finite cells first, infinite ones by their lowest finite vertex after them.
+    std::vector<int> bucket(used_);
+    parallel_for(
+        bucket.size(), threads, {},
+        [&](std::size_t i)
+        {
+            const auto& v = cells_[i].vertices;
+            bucket[i] = none;
+            if (v[0] == dead)
+                return;
+            int lowest = std::numeric_limits<int>::max();
+            for (const int k : v)
+                lowest = k == Triangulation::infinite ? lowest : std::min(lowest, indices_[k]);
+            bucket[i] = is_infinite(cells_[i]) ? int(n) + lowest : lowest;
+        },
+        grain);
+    std::vector<int> first(2 * n + 1, 0);
+    for (const int b : bucket)
+        if (b != none)
+            ++first[b + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<int> order(first.back()), position(bucket.size());
+    std::vector<int> next(first.begin(), first.end() - 1);
+    for (std::size_t i = 0; i < bucket.size(); ++i)
+        if (bucket[i] != none)
+            order[next[bucket[i]]++] = int(i);
+
+    Triangulation flat;
+    flat.finite_cells = first[n];
+    flat.cells.resize(order.size());
+    flat.centres.resize(std::size_t(flat.finite_cells));
+    parallel_chunks(
+        2 * n, threads, grain, {},
+        [&](std::size_t begin, std::size_t end)
+        {
+            struct Named
+            {
+                Cell cell;
+                int number;
+            };
+            std::vector<Named> in_bucket;
+            for (std::size_t b = begin; b < end; ++b)
+            {
+                in_bucket.clear();
+                for (int k = first[b]; k < first[b + 1]; ++k)
+                {
+                    // They lie where the insertion has put them: without this, half the time goes in waiting for memory.
+                    constexpr int ahead = 24;
+                    if (k + ahead < int(order.size()))
+                        __builtin_prefetch(&cells_[order[k + ahead]]);
+                    in_bucket.push_back({name_vertices(cells_[order[k]]), order[k]});
+                }
+                std::sort(in_bucket.begin(), in_bucket.end(),
+                          [](const Named& p, const Named& q) { return p.cell.vertices < q.cell.vertices; });
+                int k = first[b];
+                for (const Named& named : in_bucket)
+                {
+                    flat.cells[k] = named.cell;
+                    position[named.number] = k++;
+                }
+            }
+        });
+    parallel_for(
+        order.size(), threads, {},
+        [&](std::size_t k)
+        {
+            for (int& neighbour : flat.cells[k].neighbours)
+                neighbour = position[neighbour];
+            if (!flat.is_finite(int(k)))
+                return;
+            const auto& v = flat.cells[k].vertices;
+            const auto weight = [&](int i) { return weights.empty() ? 0 : weights[v[i]]; };
+            flat.centres[k] = find_power_centre({points[v[0]], points[v[1]], points[v[2]], points[v[3]]},
+                                                {weight(0), weight(1), weight(2), weight(3)});
+        },
+        grain);
+    return flat;
+}
+
+} // namespace recon
