@@ -509,8 +509,11 @@ RegularTriangulation::Cell RegularTriangulation::name_vertices(Cell cell) const
     return cell;
 }
 
-Triangulation RegularTriangulation::flatten(const Points& points, const std::vector<double>& weights, int threads) const
+Triangulation RegularTriangulation::flatten(const Points& points, const std::vector<double>& weights, int threads) &&
 {
+    marks_ = {};
+    owners_.reset();
+    serial_ = {};
     constexpr std::size_t grain = 8192;
     const std::size_t n = points.size();
     // Buckets by the lowest vertex, finite cells first, infinite ones by their lowest finite vertex after them.
@@ -534,16 +537,18 @@ Triangulation RegularTriangulation::flatten(const Points& points, const std::vec
         if (b != none)
             ++first[b + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<int> order(first.back()), position(bucket.size());
+    std::vector<int> order(first.back()), position(used_);
     std::vector<int> next(first.begin(), first.end() - 1);
     for (std::size_t i = 0; i < bucket.size(); ++i)
         if (bucket[i] != none)
             order[next[bucket[i]]++] = int(i);
 
+    bucket = {};
+    next = {};
+
     Triangulation flat;
     flat.finite_cells = first[n];
     flat.cells.resize(order.size());
-    flat.centres.resize(std::size_t(flat.finite_cells));
     parallel_chunks(
         2 * n, threads, grain, {},
         [&](std::size_t begin, std::size_t end)
@@ -575,8 +580,12 @@ Triangulation RegularTriangulation::flatten(const Points& points, const std::vec
                 }
             }
         });
+    cells_.reset();
+    const std::size_t count = order.size();
+    order = {};
+    flat.centres.resize(std::size_t(flat.finite_cells));
     parallel_for(
-        order.size(), threads, {},
+        count, threads, {},
         [&](std::size_t k)
         {
             for (int& neighbour : flat.cells[k].neighbours)

@@ -35,8 +35,8 @@ public:
     /// As flat arrays, with the power centres; no cells if all points are coplanar. Vertices of a cell ascend but for the last
     /// two, which keep the orientation. Finite cells go by their vertices: where the points are in a spatial order, so are the
     /// cells then, and walks stay in the cache.
-    /// \param points, weights as they were given.
-    Triangulation flatten(const Points& points, const std::vector<double>& weights, int threads) const;
+    /// \param points, weights as they were given. Frees what it has copied on the way: call it once.
+    Triangulation flatten(const Points& points, const std::vector<double>& weights, int threads) &&;
 
 private:
     using Cell = Triangulation::Cell;
