@@ -14,6 +14,9 @@ namespace
 
 constexpr int largest_subset = 20'000;
 constexpr int fine_count = 6, coarse_count = 30;
+/// Shares of samples around one above which its scale is fine: of those with clean poles, or, at thin walls, whose
+/// poles are short and slant, of neighbours that lie flat.
+constexpr double clean_above = 0.45, flat_above = 0.75;
 constexpr double pi = 3.14159265358979323846;
 
 double median(std::vector<double> values)
@@ -41,7 +44,8 @@ void append_scale(BallScale& result, double scale, double count, double factor)
 
 } // namespace
 
-SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads, const Progress& progress)
+SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads,
+                              const Progress& progress)
 {
     SampleSpacing result;
     const int n = int(samples.size());
@@ -49,6 +53,7 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
     for (int i = 0; i < n; i += std::max(stride, 1))
         result.subset.push_back(i);
     const std::size_t m = result.subset.size();
+    result.mates.resize(m, {-1, -1, -1});
     result.eighth.resize(m);
     result.fine.resize(m);
     std::vector<double> raw(m);
@@ -66,6 +71,8 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
                              sum += squared[j];
                          return std::sqrt(2 * sum / std::max(k, 1));
                      };
+                     for (int j = 1; j < std::min(found, 4); ++j)
+                         result.mates[i][j - 1] = indices[j];
                      result.eighth[i] = std::sqrt(squared[std::min(8, found - 1)]);
                      result.fine[i] = spread(fine_count);
                      raw[i] = spread(coarse_count);
@@ -91,24 +98,33 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
     return result;
 }
 
-BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles,
-                       double noise, int threads)
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay,
+                       const Poles& poles, double noise, int threads)
 {
     const std::size_t m = spacing.subset.size();
     std::vector<char> clean(m);
+    std::vector<double> flat(m, 0);
     for (std::size_t i = 0; i < m; ++i)
     {
         const int v = spacing.subset[i];
         const auto& cells = poles.cells[v];
-        if (cells[0] == Poles::none || cells[1] == Poles::none)
+        if (cells[0] == Poles::none)
             continue;
-        const Vector first = delaunay.centres[cells[0]] - samples[v], second = delaunay.centres[cells[1]] - samples[v];
+        const Vector first = delaunay.centres[cells[0]] - samples[v];
+        Points mates;
+        for (const int mate : spacing.mates[i])
+            if (mate >= 0)
+                mates.push_back(samples[mate] - samples[v]);
+        flat[i] = share_of_flat(first, mates.data(), int(mates.size()));
+        if (cells[1] == Poles::none)
+            continue;
+        const Vector second = delaunay.centres[cells[1]] - samples[v];
         clean[i] = has_clean_poles(first, second, spacing.eighth[i]);
     }
     const Points members = points_of(spacing.subset, samples);
     const NeighbourSearch search(members);
     constexpr int around = 24;
-    std::vector<double> cleanness(m);
+    std::vector<double> cleanness(m), flatness(m);
     parallel_for(m, threads, {},
                  [&](std::size_t i)
                  {
@@ -116,11 +132,14 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
                      double squared[around];
                      const int found = search.nearest(members[i], around, indices, squared);
                      for (int j = 0; j < found; ++j)
+                     {
                          cleanness[i] += clean[indices[j]] ? 1.0 / found : 0;
+                         flatness[i] += flat[indices[j]] / found;
+                     }
                  });
     BallScale result;
     for (const int i : spacing.nearest)
-        if (noise > 0 ? noise < 0.1 * spacing.fine[i] : cleanness[i] > 0.45)
+        if (noise > 0 ? noise < 0.1 * spacing.fine[i] : cleanness[i] > clean_above || flatness[i] > flat_above)
             append_scale(result, spacing.fine[i], fine_count, 0.3);
         else
             append_scale(result, spacing.coarse[i], coarse_count, 0.7);

@@ -5,6 +5,9 @@
 #include <recon/polar_balls.h>
 #include <recon/progress.h>
 
+#include <array>
+#include <vector>
+
 namespace recon
 {
 
@@ -13,13 +16,15 @@ struct SampleSpacing
 {
     std::vector<int> subset;  ///< At most 20,000 samples at an even stride.
     std::vector<int> nearest; ///< Per sample: position in `subset` of the nearest of them.
-    std::vector<double> eighth; ///< Per member of the subset: distance to the 8th nearest sample.
+    std::vector<std::array<int, 3>> mates; ///< Likewise its 3 nearest samples, -1 where there are fewer.
+    std::vector<double> eighth; ///< Likewise distance to the 8th nearest sample.
     std::vector<double> fine;   ///< sqrt(2 x mean squared distance to the 6 nearest).
     std::vector<double> coarse; ///< The same with 30, median over the 9 nearest members.
 };
 
 /// \param search over `samples`.
-SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads, const Progress& progress = {});
+SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads,
+                              const Progress& progress = {});
 
 /// What a ball must have to count as evidence, per sample.
 struct BallScale
@@ -28,14 +33,14 @@ struct BallScale
     std::vector<double> density;   ///< lambda: samples per area [1/length^2].
     std::vector<double> threshold; ///< c s: smallest polar ball kept [length].
     double median_spacing = 0;     ///< Median fine scale [length].
-    double median_cleanness = 0;   ///< Median of the share of clean samples around a sample: above 0.7 the cloud is clean.
+    double median_cleanness = 0; ///< Median of the share of clean samples around a sample: above 0.7 the cloud is clean.
 };
 
-/// The scale at each sample: fine where most samples around have two long opposite poles (noise below the spacing), coarse
-/// where few have.
+/// The scale at each sample: fine where most samples around have two long opposite poles (noise below the spacing) or, at thin
+/// walls, neighbours that lie flat; else coarse.
 /// \param noise standard deviation of the noise, which then decides between fine and coarse; 0 = unknown.
-BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay, const Poles& poles,
-                       double noise = 0, int threads = 1);
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay,
+                       const Poles& poles, double noise = 0, int threads = 1);
 
 /// The scale that assumes samples without noise, for points already projected onto a surface.
 BallScale choose_fine_scale(const SampleSpacing& spacing);

@@ -7,22 +7,31 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace recon
 {
 
 bool has_clean_poles(const Vector& first, const Vector& second, double eighth)
 {
-    return -first.dot(second) > 0.8 * first.norm() * second.norm() && std::min(first.norm(), second.norm()) > 0.4 * eighth;
+    return -first.dot(second) > 0.8 * first.norm() * second.norm() &&
+           std::min(first.norm(), second.norm()) > 0.4 * eighth;
 }
 
-double measure_cleanness(const Points& samples, int threads)
+double share_of_flat(const Vector& first, const Point* neighbours, int count)
 {
-    constexpr int seeds = 200, around = 32;
+    int flat = 0;
+    for (int i = 0; i < count; ++i)
+        flat += neighbours[i].dot(first) > -0.3 * neighbours[i].norm() * first.norm();
+    return count > 0 ? double(flat) / count : 1;
+}
+
+Cleanness measure_cleanness(const Points& samples, int threads)
+{
+    constexpr int seeds = 200, around = 32, flat_count = 3;
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
     std::vector<int> clean(count, 0);
+    std::vector<double> flat(count, 0);
     const BlockSearch search(samples);
     const auto examine = [&](std::size_t k)
     {
@@ -40,12 +49,21 @@ double measure_cleanness(const Points& samples, int threads)
         const Triangulation delaunay = triangulate_delaunay(local);
         const Poles poles = find_poles(delaunay, local);
         const auto& cells = poles.cells.front();
-        clean[k] = cells[0] != Poles::none && cells[1] != Poles::none &&
-                   has_clean_poles(delaunay.centres[cells[0]], delaunay.centres[cells[1]],
-                                   0.5 / radius * std::sqrt(squared[std::min(8, found - 1)]));
+        if (cells[0] == Poles::none)
+            return;
+        flat[k] = share_of_flat(delaunay.centres[cells[0]], &local[1], flat_count);
+        clean[k] =
+            cells[1] != Poles::none && has_clean_poles(delaunay.centres[cells[0]], delaunay.centres[cells[1]],
+                                                       0.5 / radius * std::sqrt(squared[std::min(8, found - 1)]));
     };
     parallel_for(count, threads, {}, examine, 8);
-    return count == 0 ? 0 : double(std::accumulate(clean.begin(), clean.end(), 0)) / double(count);
+    Cleanness result;
+    for (std::size_t k = 0; k < count; ++k)
+    {
+        result.long_cells += clean[k] / double(count);
+        result.flat_neighbours += flat[k] / double(count);
+    }
+    return result;
 }
 
 } // namespace recon

@@ -5,15 +5,31 @@
 namespace recon
 {
 
-/// Share of samples whose Voronoi cell is long and thin on both sides, as a cell on a surface without noise is: its two poles
-/// lie in opposite directions, the nearer one not close. Taken at 200 samples from the Delaunay triangulations of their 32
-/// nearest, so it costs little beside any triangulation of the whole. Measured: 0.73 to 1 on clean clouds (0.3 where a cloud
-/// undersamples its walls), 0.1 to 0.35 on clouds of noisy copies, 0.47 and 0.62 on merged range scans.
-/// \param samples distinct, in spatial order.
-double measure_cleanness(const Points& samples, int threads);
+/// What tells a cloud without noise from a noisy one, as shares of its samples [0..1].
+struct Cleanness
+{
+    /// The Voronoi cell is long and thin on both sides, see has_clean_poles(). Measured: 0.73 to 1 on clean clouds (0.3
+    /// on walls thinner than three spacings), 0.1 to 0.35 on clouds of noisy copies, 0.47 and 0.62 on merged range
+    /// scans.
+    double long_cells = 0;
+    /// The three nearest lie flat, see share_of_flat(), thin walls or not. Measured: 0.66 (coarse CAD) to 1 on clean
+    /// clouds, 0.38 to 0.51 on clouds of noisy copies, 0.52 and 0.56 on merged range scans.
+    double flat_neighbours = 0;
+
+    bool is_clean() const { return long_cells > 0.7 || flat_neighbours > 0.63; }
+};
+
+/// Taken at 200 samples from the Delaunay triangulations of their 32 nearest, so it costs little beside any
+/// triangulation of the whole. \param samples distinct, in spatial order.
+Cleanness measure_cleanness(const Points& samples, int threads);
 
 /// Whether the directions to a sample's two poles and their lengths are those of a surface without noise.
 /// \param eighth distance to the 8th nearest sample.
 bool has_clean_poles(const Vector& first, const Vector& second, double eighth);
+
+/// Share of a sample's neighbours in the plane across its first pole, within 17 degrees. Noise lets them sink to any
+/// depth; the nearest on the far side of a thin wall are not among the first three. \param first pole relative to the
+/// sample. \param neighbours likewise.
+double share_of_flat(const Vector& first, const Point* neighbours, int count);
 
 } // namespace recon

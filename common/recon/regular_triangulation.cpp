@@ -396,28 +396,20 @@ bool RegularTriangulation::find_fresh_cells(Worker& worker)
 /// Replaces the conflicts by cells from the site to their hull.
 void RegularTriangulation::fill_hole(int site, Worker& worker)
 {
-    worker.made.resize(worker.conflicts.size());
     for (std::size_t k = 0; k < worker.hull.size(); ++k)
     {
         const auto [conflict, facet] = worker.hull[k];
-        const int made = worker.fresh[k];
-        worker.made[conflict][facet] = made;
-        const int old = worker.conflicts[conflict];
+        const int made = worker.fresh[k], old = worker.conflicts[conflict];
         Cell& cell = cells_[made];
         cell.vertices = cells_[old].vertices;
         cell.vertices[facet] = site;
-        cell.neighbours.fill(none);
         const int beside = cells_[old].neighbours[facet];
         cell.neighbours[facet] = beside;
-        Cell& other = cells_[beside];
-        other.neighbours[other.position_across(old)] = made;
+        cells_[beside].neighbours[cells_[beside].position_across(old)] = made;
         if (!is_infinite(cell))
             worker.hint = made;
     }
-    for (const auto& [conflict, facet] : worker.hull)
-        for (int i = 0; i < 4; ++i)
-            if (cells_[worker.made[conflict][facet]].neighbours[i] == none)
-                join(conflict, facet, i, worker);
+    join_along_edges(worker);
     if (&worker == &serial_)
         used_ = worker.unused_begin;
     for (const int c : worker.conflicts)
@@ -427,26 +419,54 @@ void RegularTriangulation::fill_hole(int site, Worker& worker)
     }
 }
 
-/// Joins the new cell at a facet of the hull to the next one, across the facet opposite its vertex at `edge_opposite`: turns
-/// through the conflicts around the edge that the two have in common.
-void RegularTriangulation::join(int conflict, int facet, int edge_opposite, const Worker& worker)
+/// Makes new cells at facets side by side on the hull neighbours. In two passes, since whether a facet is the first at an edge
+/// is nothing that a processor could predict.
+void RegularTriangulation::join_along_edges(Worker& worker)
 {
-    const int from = worker.made[conflict][facet];
-    int c = worker.conflicts[conflict], exit = edge_opposite;
-    int pivot = cells_[c].vertices[facet];
-    for (;;)
+    // A hull of f facets has 3 f directed edges.
+    if (worker.edges.size() < 6 * worker.hull.size())
     {
-        const int beside = cells_[c].neighbours[exit];
-        if (marks_[beside] <= 0)
-            break;
-        const Cell& next = cells_[beside];
-        exit = next.position_of(pivot);
-        pivot = next.vertices[next.position_across(c)];
-        c = beside;
+        std::size_t size = 512;
+        while (size < 12 * worker.hull.size())
+            size *= 2;
+        worker.edges.assign(size, {});
+        worker.fills = 0;
     }
-    const int to = worker.made[marks_[c] - 1][exit];
-    cells_[from].neighbours[edge_opposite] = to;
-    cells_[to].neighbours[cells_[c].position_of(pivot)] = from;
+    if (++worker.fills == 0)
+    {
+        worker.edges.assign(worker.edges.size(), {});
+        worker.fills = 1;
+    }
+    const unsigned mask = unsigned(worker.edges.size()) - 1;
+    const auto place = [](int from, int to) { return (unsigned(from) * 0x9e3779b1u + unsigned(to)) * 0x85ebca6bu >> 12; };
+    // Opposite positions 0 to 3 of a positively oriented cell the others, counter-clockwise seen from there.
+    constexpr int around[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+    for (std::size_t k = 0; k < worker.hull.size(); ++k)
+    {
+        const auto& v = cells_[worker.fresh[k]].vertices;
+        const auto& ring = around[worker.hull[k][1]];
+        for (int i = 0; i < 3; ++i)
+        {
+            const int from = v[ring[i]], to = v[ring[i == 2 ? 0 : i + 1]];
+            unsigned at = place(from, to) & mask;
+            while (worker.edges[at].fill == worker.fills)
+                at = (at + 1) & mask;
+            worker.edges[at] = {worker.fills, from, to, int(k)};
+        }
+    }
+    for (std::size_t k = 0; k < worker.hull.size(); ++k)
+    {
+        Cell& cell = cells_[worker.fresh[k]];
+        const auto& ring = around[worker.hull[k][1]];
+        for (int i = 0; i < 3; ++i)
+        {
+            const int from = cell.vertices[ring[i]], to = cell.vertices[ring[i == 2 ? 0 : i + 1]];
+            unsigned at = place(to, from) & mask;
+            while (worker.edges[at].from != to || worker.edges[at].to != from)
+                at = (at + 1) & mask;
+            cell.neighbours[ring[i == 0 ? 2 : i - 1]] = worker.fresh[worker.edges[at].facet];
+        }
+    }
 }
 
 /// Orientation of the cell with the site in the place of one of its vertices.

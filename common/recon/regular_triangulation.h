@@ -41,6 +41,14 @@ public:
 private:
     using Cell = Triangulation::Cell;
 
+    /// Edge of a facet of the hull, in the direction in which the facet has it.
+    struct HullEdge
+    {
+        unsigned fill = 0; ///< Of which hole; others count as empty.
+        int from, to;      ///< Vertices.
+        int facet;         ///< Position in `hull`.
+    };
+
     /// What one thread works with.
     struct Worker
     {
@@ -53,7 +61,8 @@ private:
         std::vector<int> conflicts, others; ///< Cells that a site takes out, and those tested that stay.
         std::vector<std::array<int, 2>> hull; ///< Facets between the two: position in `conflicts`, position of the vertex opposite.
         std::vector<int> fresh;               ///< Cells to be, one per facet of the hull.
-        std::vector<std::array<int, 4>> made; ///< Per conflict and facet of the hull the new cell.
+        std::vector<HullEdge> edges;          ///< Hash table.
+        unsigned fills = 0;                   ///< Holes filled so far.
         std::vector<int> put_off;             ///< Sites.
     };
     enum class Outcome
@@ -84,7 +93,7 @@ private:
     bool find_conflicts(int site, int first, Worker& worker);
     bool find_fresh_cells(Worker& worker);
     void fill_hole(int site, Worker& worker);
-    void join(int conflict, int facet, int edge_opposite, const Worker& worker);
+    void join_along_edges(Worker& worker);
 
     bool is_infinite(const Cell& c) const { return (c.vertices[0] | c.vertices[1] | c.vertices[2] | c.vertices[3]) < 0; }
     Cell name_vertices(Cell cell) const;

@@ -119,47 +119,82 @@ std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVe
     return candidates;
 }
 
-/// Balls that close a ring together.
-struct Closer
+/// The edges of some balls: what speaks for and against turning them.
+class Evidence
 {
-    std::vector<int> balls;
-    double kept = 0, violated = 0; ///< Weight of the edges that leave the set, by whether the labels agree with them.
+public:
+    /// \param is_listed per ball: whether its edges are wanted.
+    Evidence(const SignedGraph& graph, const std::vector<char>& is_listed) : is_in_(is_listed.size(), 0)
+    {
+        first_.assign(is_listed.size() + 1, 0);
+        for (const SignedEdge& e : graph.edges)
+        {
+            first_[e.a + 1] += is_listed[e.a];
+            first_[e.b + 1] += is_listed[e.b];
+        }
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        edges_.resize(std::size_t(first_.back()));
+        std::vector<int> next(first_.begin(), first_.end() - 1);
+        for (const SignedEdge& e : graph.edges)
+        {
+            if (is_listed[e.a])
+                edges_[next[e.a]++] = {e.b, e.weight};
+            if (is_listed[e.b])
+                edges_[next[e.b]++] = {e.a, e.weight};
+        }
+    }
+    /// Kept less violated weight of the edges that leave the set: by how much turning it contradicts more.
+    double of(const std::vector<int>& set, const std::vector<Side>& labels)
+    {
+        for (const int ball : set)
+            is_in_[ball] = 1;
+        double sum = 0;
+        for (const int ball : set)
+            for (int k = first_[ball]; k < first_[ball + 1]; ++k)
+                if (!is_in_[edges_[k].ball])
+                    sum += labels[edges_[k].ball] == labels[ball] ? edges_[k].weight : -edges_[k].weight;
+        for (const int ball : set)
+            is_in_[ball] = 0;
+        return sum;
+    }
+
+private:
+    struct Edge
+    {
+        int ball;
+        double weight;
+    };
+    std::vector<int> first_;
+    std::vector<Edge> edges_;
+    std::vector<char> is_in_;
 };
 
-std::vector<Closer> group(const std::vector<int>& balls, const Triangulation& regular, const CellsAtVertices& at,
-                          const SignedGraph& graph, const std::vector<Side>& labels)
+/// Connected sets of the balls.
+std::vector<std::vector<int>> group(const std::vector<int>& balls, const Triangulation& regular,
+                                    const CellsAtVertices& at)
 {
-    std::vector<int> group_of(labels.size(), -1);
-    constexpr int unassigned = -2;
+    std::vector<char> is_waiting(at.first.size(), 0);
     for (const int ball : balls)
-        group_of[ball] = unassigned;
-    std::vector<Closer> groups;
+        is_waiting[ball] = 1;
+    std::vector<std::vector<int>> groups;
     for (const int seed : balls)
     {
-        if (group_of[seed] != unassigned)
+        if (!is_waiting[seed])
             continue;
-        const int id = int(groups.size());
-        groups.emplace_back();
-        std::vector<int>& members = groups.back().balls;
-        members.push_back(seed);
-        group_of[seed] = id;
+        std::vector<int> members = {seed};
+        is_waiting[seed] = 0;
         for (std::size_t i = 0; i < members.size(); ++i)
             visit_neighbours(regular, at, members[i],
                              [&](int other)
                              {
-                                 if (group_of[other] == unassigned)
+                                 if (is_waiting[other])
                                  {
-                                     group_of[other] = id;
+                                     is_waiting[other] = 0;
                                      members.push_back(other);
                                  }
                              });
+        groups.push_back(std::move(members));
     }
-    for (const SignedEdge& e : graph.edges)
-        if (group_of[e.a] != group_of[e.b])
-            for (const int id : {group_of[e.a], group_of[e.b]})
-                if (id >= 0)
-                    ((labels[e.a] == labels[e.b]) == (e.weight > 0) ? groups[id].kept : groups[id].violated) +=
-                        std::abs(e.weight);
     return groups;
 }
 
@@ -286,20 +321,52 @@ private:
     std::vector<char> is_in_;
 };
 
-/// Turns the set over, ball by ball; returns by how much that changes the Euler characteristic of the surface.
-int turn(const std::vector<int>& set, const Triangulation& regular, const CellsAtVertices& at,
-         std::vector<Side>& labels)
+/// By how much turning the ball over changes the Euler characteristic of the surface.
+int measure_turn(int ball, BallLink& link, const Triangulation& regular, const CellsAtVertices& at,
+                 const std::vector<Side>& labels)
+{
+    link.build(regular, at, ball, labels);
+    return 2 * (int(link.pieces(labels[ball]).size()) - int(link.pieces(opposite(labels[ball])).size()));
+}
+
+/// Those balls of a set that have to turn for the gain in Euler characteristic: all turn, then each that need not, and
+/// against whose turning there is evidence, turns back. \param gain what turning the result changes the Euler
+/// characteristic by. `labels` are as before in the end.
+std::vector<int> narrow(std::vector<int> set, Evidence& evidence, const Triangulation& regular,
+                        const CellsAtVertices& at, std::vector<Side>& labels, int& gain)
 {
     BallLink link;
-    int change = 0;
+    const Side side = labels[set.front()];
+    gain = 0;
     for (const int ball : set)
     {
-        link.build(regular, at, ball, labels);
-        const Side side = labels[ball];
-        change += 2 * (int(link.pieces(side).size()) - int(link.pieces(opposite(side)).size()));
+        gain += measure_turn(ball, link, regular, at, labels);
         labels[ball] = opposite(side);
     }
-    return change;
+    for (bool again = true; again;)
+    {
+        again = false;
+        for (const int ball : set)
+        {
+            if (labels[ball] == side)
+                continue;
+            const int change = measure_turn(ball, link, regular, at, labels);
+            // A ball whose return gains where the whole set gained something would close in an island.
+            const bool returns = gain > 0 ? change == 0 && evidence.of({ball}, labels) < 0 : change > 0;
+            if (!returns)
+                continue;
+            labels[ball] = side;
+            gain += change;
+            again = true;
+        }
+    }
+    std::vector<int> turned;
+    for (const int ball : set)
+        if (labels[ball] != side)
+            turned.push_back(ball);
+    for (const int ball : set)
+        labels[ball] = side;
+    return turned;
 }
 
 } // namespace
@@ -339,34 +406,41 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
         is_doubtful[i] = margins[i] < options.highest_margin && balls[i].radius < options.largest_radius * scale[i] &&
                          !graph.is_root[i];
     RingLength rings(regular, at, balls);
+    Evidence evidence(graph, is_doubtful);
     int total = 0;
     for (int round = 0; round < options.rounds; ++round)
     {
         int turned = 0;
         // Across the handle or through it, whichever goes against less.
-        std::vector<Closer> closers;
+        std::vector<std::pair<double, std::vector<int>>> closers;
         for (const Side side : {Side::inner, Side::outer})
-            for (Closer& closer :
-                 group(find_ring_closers(regular, at, side, is_doubtful, margins, labels), regular, at, graph, labels))
-                closers.push_back(std::move(closer));
+            for (std::vector<int>& set :
+                 group(find_ring_closers(regular, at, side, is_doubtful, margins, labels), regular, at))
+            {
+                const double against = evidence.of(set, labels);
+                closers.emplace_back(against, std::move(set));
+            }
         std::stable_sort(closers.begin(), closers.end(),
-                         [](const Closer& a, const Closer& b) { return a.kept - a.violated < b.kept - b.violated; });
-        for (const Closer& closer : closers)
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (const auto& closer : closers)
         {
+            int gain = 0;
+            const std::vector<int> set = narrow(closer.second, evidence, regular, at, labels, gain);
+            if (gain <= 0)
+                continue;
             double mean_scale = 0;
-            for (const int b : closer.balls)
-                mean_scale += scale[b] / double(closer.balls.size());
-            const double evidence = closer.kept - closer.violated;
-            const double longest = evidence * options.longest_ring > options.largest_support
-                                       ? options.largest_support / evidence
+            for (const int b : set)
+                mean_scale += scale[b] / double(set.size());
+            const double against = evidence.of(set, labels);
+            const double longest = against * options.longest_ring > options.largest_support
+                                       ? options.largest_support / against
                                        : options.longest_ring;
-            const double length = rings.measure(closer.balls, labels, longest * mean_scale);
+            const double length = rings.measure(set, labels, longest * mean_scale);
             if (length == 0 || !std::isfinite(length))
                 continue;
-            if (turn(closer.balls, regular, at, labels) > 0)
-                turned += int(closer.balls.size());
-            else
-                turn(closer.balls, regular, at, labels); // back
+            for (const int ball : set)
+                labels[ball] = opposite(labels[ball]);
+            turned += int(set.size());
         }
         total += turned;
         if (turned == 0)
