@@ -7,19 +7,11 @@
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace recon
 {
-namespace
-{
-
-/// Below this share of clean samples a cloud is denoised. Clean clouds have 0.73 and more, noisy copies and merged scans 0.62
-/// and less.
-constexpr double clean_above = 0.7;
-
-} // namespace
-
 PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
                                 const Progress& progress)
 {
@@ -34,8 +26,9 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         sorted.push_back(points[i]);
         result.distinct.push_back(result.frame.to_unit(points[i]));
     }
-    result.cleanness = measure_cleanness(result.distinct, resolve_threads(options.threads));
-    result.is_noisy = result.cleanness < clean_above;
+    const Cleanness cleanness = measure_cleanness(result.distinct, resolve_threads(options.threads));
+    result.cleanness = std::max(cleanness.long_cells, cleanness.flat_neighbours);
+    result.is_noisy = !cleanness.is_clean();
     if (!result.is_noisy && options.denoise != Denoise::on)
     {
         NoiseOptions noise_options;
@@ -83,7 +76,8 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         SamplePreparationOptions preparation = options;
         preparation.denoise = denoise;
         const double middle = begin + 0.35 * (end - begin);
-        PreparedSamples cloud = prepare_samples(points, preparation, times, progress.part(begin, middle, "preparation"));
+        PreparedSamples cloud =
+            prepare_samples(points, preparation, times, progress.part(begin, middle, "preparation"));
         BallLabellingOptions in_units = labelling;
         in_units.ball_threshold /= cloud.frame.scale();
         in_units.noise /= cloud.frame.scale();

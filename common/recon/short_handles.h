@@ -22,10 +22,11 @@ struct ShortHandleOptions
 
 /// Removes handles that are short and little supported. Each side grows from its certain balls, the least doubtful
 /// first, and leaves out what would close a ring: a set of balls whose turning removes the handle, across its narrowest
-/// place, however many balls that takes. Balls of the set that need not turn for that, and for which there is evidence, stay.
-/// The set is turned if the evidence for it (kept less violated weight of all edges that leave it), times the length of
-/// the ring that it closes, is small. Measured: real holes and thin arms 133 and more, on clean coarse clouds 50, what is
-/// left of noise mostly below 80. Components are neither joined nor parted. \param scale per ball: local scale of the samples [length]. \param margins per ball, see measure_margins().
+/// place, however many balls that takes. Balls of the set that need not turn for that, and for which there is evidence,
+/// stay. The set is turned if the evidence for it (kept less violated weight of all edges that leave it), times the
+/// length of the ring that it closes, is small. Measured: real holes and thin arms 133 and more, on clean coarse clouds
+/// 50, what is left of noise mostly below 80. Components are neither joined nor parted.
+/// \param scale per ball: local scale of the samples [length]. \param margins per ball, see measure_margins().
 /// \returns the number of balls turned.
 int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
                          const std::vector<double>& scale, const std::vector<double>& margins,

@@ -113,6 +113,26 @@ TEST(NoisyPowerCrust, DenoisesOnlyWhatIsNoisy)
     }
 }
 
+TEST(NoisyPowerCrust, WallsThinnerThanTwoSpacingsAreNoNoise)
+{
+    constexpr int side = 24;
+    constexpr double thickness = 1.5;
+    shapes::Random random(5);
+    const auto jitter = [&] { return 0.3 * (double(random() >> 11) * 0x1p-53 - 0.5); };
+    Points points;
+    for (int i = 0; i <= side; ++i)
+        for (int j = 0; j <= side; ++j)
+            for (const double z : {0.0, thickness})
+                points.emplace_back(i + jitter(), j + jitter(), z);
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+    EXPECT_FALSE(crust.denoised);
+    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 0);
+    EXPECT_NEAR(report.volume, side * side * thickness, 0.06 * side * side * thickness);
+}
+
 TEST(NoisyPowerCrust, DependsNeitherOnThreadsNorOnOrderNorOnTheRun)
 {
     const Points points = shapes::with_noisy_copies(shapes::torus(3000, 1, 0.4, 5).points, 0.02, 4, 6);
