@@ -19,7 +19,7 @@ namespace
 /// Points on a surface have some seven cells each.
 constexpr int expected_cells = 8;
 /// Fewer sites are not worth threads.
-constexpr std::size_t parallel_above = 4096;
+constexpr std::size_t parallel_above = 2048;
 constexpr std::size_t report_every = 4096;
 
 } // namespace
