@@ -85,13 +85,22 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
             label_polar_balls(cloud.samples, cloud.normals, in_units, times, progress.part(middle, end, "polar balls"));
         return LabelledCloud{std::move(cloud), std::move(labelled)};
     };
-    LabelledCloud first = attempt(options.denoise, 0, 0.8);
-    // A threshold of the user's that leaves no inner ball is no flood: normals would only dress it up.
-    if (options.denoise != Denoise::automatic || first.cloud.denoised || labelling.ball_threshold > 0 ||
-        first.labelled.violated_votes <= flooded_above)
-        return first;
-    LabelledCloud second = attempt(Denoise::on, 0.8, 1);
-    return second.labelled.violated_votes < first.labelled.violated_votes ? std::move(second) : std::move(first);
+    double violated = 0;
+    {
+        LabelledCloud first = attempt(options.denoise, 0, 0.8);
+        violated = first.labelled.violated_votes;
+        // A threshold of the user's that leaves no inner ball is no flood: normals would only dress it up.
+        if (options.denoise != Denoise::automatic || first.cloud.denoised || labelling.ball_threshold > 0 ||
+            violated <= flooded_above)
+            return first;
+    }
+    // The first is gone by now: seldom is it wanted again, and both would need twice the memory.
+    {
+        LabelledCloud second = attempt(Denoise::on, 0.8, 0.9);
+        if (second.labelled.violated_votes < violated)
+            return second;
+    }
+    return attempt(options.denoise, 0.9, 1);
 }
 
 } // namespace recon

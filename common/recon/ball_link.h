@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/disjoint_sets.h>
 #include <recon/signed_labelling.h>
 #include <recon/triangulation.h>
 
@@ -21,7 +22,7 @@ public:
     void build(const Triangulation& regular, const CellsAtVertices& at, int ball, const std::vector<Side>& labels)
     {
         balls_.clear();
-        parent_.clear();
+        pieces_.clear();
         labels_ = &labels;
         for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
         {
@@ -33,7 +34,7 @@ public:
             for (int i = 1; i < count; ++i)
                 for (int j = 0; j < i; ++j)
                     if (labels[balls_[corners[i]]] == labels[balls_[corners[j]]])
-                        parent_[root(corners[i])] = root(corners[j]);
+                        pieces_.join(corners[i], corners[j]);
         }
     }
     /// One ball of each piece on `side`.
@@ -41,7 +42,7 @@ public:
     {
         std::vector<int> result;
         for (int i = 0; i < int(balls_.size()); ++i)
-            if (root(i) == i && (*labels_)[balls_[i]] == side)
+            if (pieces_.find(i) == i && (*labels_)[balls_[i]] == side)
                 result.push_back(balls_[i]);
         return result;
     }
@@ -54,17 +55,11 @@ private:
         if (found != balls_.end())
             return int(found - balls_.begin());
         balls_.push_back(ball);
-        parent_.push_back(int(parent_.size()));
-        return int(balls_.size()) - 1;
-    }
-    int root(int i)
-    {
-        while (parent_[i] != i)
-            i = parent_[i] = parent_[parent_[i]];
-        return i;
+        return pieces_.add();
     }
     const std::vector<Side>* labels_ = nullptr;
-    std::vector<int> balls_, parent_;
+    std::vector<int> balls_;
+    DisjointSets pieces_;
 };
 
 } // namespace recon

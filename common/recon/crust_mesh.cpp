@@ -1,5 +1,6 @@
 #include <recon/crust_mesh.h>
 
+#include <recon/disjoint_sets.h>
 #include <recon/parallel.h>
 
 #include <Eigen/Geometry>
@@ -192,24 +193,17 @@ TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>
 
 MeshComponents find_components(const TriangleMesh& mesh)
 {
-    std::vector<int> parent(mesh.vertices.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int i)
-    {
-        while (parent[i] != i)
-            i = parent[i] = parent[parent[i]];
-        return i;
-    };
+    DisjointSets sets(mesh.vertices.size());
     for (const auto& t : mesh.triangles)
     {
-        parent[root(t[1])] = root(t[0]);
-        parent[root(t[2])] = root(t[0]);
+        sets.join(t[0], t[1]);
+        sets.join(t[0], t[2]);
     }
     MeshComponents result;
     std::vector<int> number(mesh.vertices.size(), -1);
     for (const auto& t : mesh.triangles)
     {
-        int& component = number[root(t[0])];
+        int& component = number[sets.find(t[0])];
         if (component < 0)
             component = result.count++;
         result.of_triangle.push_back(component);

@@ -1,10 +1,10 @@
 #include <recon/crust_repair.h>
 
 #include <recon/ball_link.h>
+#include <recon/disjoint_sets.h>
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <unordered_map>
 
 namespace recon
@@ -18,19 +18,12 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
                            const CellsAtVertices& at, const std::vector<Side>& labels)
 {
     const Side side = labels[seeds.front()];
-    std::vector<int> parent(seeds.size());
+    DisjointSets merged(seeds.size());
     std::vector<std::vector<int>> frontier(seeds.size());
     std::unordered_map<int, int> region;
     int separate = int(seeds.size());
-    const auto root = [&](int i)
-    {
-        while (parent[i] != i)
-            i = parent[i];
-        return i;
-    };
     for (int i = 0; i < int(seeds.size()); ++i)
     {
-        parent[i] = i;
         frontier[i] = {seeds[i]};
         region[seeds[i]] = i;
     }
@@ -38,7 +31,7 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
     while (separate > 1)
         for (int i = 0; i < int(seeds.size()) && separate > 1; ++i)
         {
-            if (parent[i] != i)
+            if (merged.find(i) != i)
                 continue;
             if (frontier[i].empty())
                 return false;
@@ -52,15 +45,16 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
                         const auto inserted = region.emplace(other, i);
                         if (inserted.second)
                             next.push_back(other);
-                        else if (const int met = root(inserted.first->second); met != i)
+                        else if (const int met = merged.find(inserted.first->second); merged.join(met, i))
                         {
-                            // The merged region goes on from both frontiers; i stays its representative.
-                            parent[met] = i;
+                            // The merged region goes on from both frontiers.
                             next.insert(next.end(), frontier[met].begin(), frontier[met].end());
+                            frontier[met].clear();
                             --separate;
                         }
                     }
-            frontier[i].swap(next);
+            frontier[i].clear();
+            frontier[merged.find(i)].swap(next);
         }
     return true;
 }
@@ -71,14 +65,7 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
                    std::vector<Side>& labels)
 {
     const int n = int(labels.size());
-    std::vector<int> parent(static_cast<std::size_t>(n));
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int i)
-    {
-        while (parent[i] != i)
-            i = parent[i] = parent[parent[i]];
-        return i;
-    };
+    DisjointSets components{std::size_t(n)};
     std::vector<char> is_visible(std::size_t(n), 0);
     // Balls of one side in a cell are all neighbours: to join each to the first is enough.
     for (const auto& cell : regular.cells)
@@ -95,8 +82,7 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
                 other = v;
                 continue;
             }
-            const int a = root(v), b = root(other);
-            parent[std::max(a, b)] = std::min(a, b);
+            components.join(v, other);
         }
     }
     std::vector<int> size(std::size_t(n), 0);
@@ -105,7 +91,7 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
     for (int i = 0; i < n; ++i)
         if (is_visible[i])
         {
-            const int component = root(i);
+            const int component = components.find(i);
             ++size[component];
             has_root[component] |= is_root[i];
             if (labels[i] == Side::inner)
@@ -113,7 +99,7 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
         }
     std::vector<int> turned;
     for (int i = 0; i < n; ++i)
-        if (is_visible[i] && !has_root[root(i)] && size[root(i)] < share * largest)
+        if (is_visible[i] && !has_root[components.find(i)] && size[components.find(i)] < share * largest)
             turned.push_back(i);
     for (const int i : turned)
         labels[i] = opposite(labels[i]);

@@ -63,6 +63,7 @@ std::vector<Side> label_by_minimum_cut(const SignedGraph& graph, const std::vect
             reverse[back] = Edge(std::uint32_t(a), there);
         });
     const Graph flow(boost::edges_are_sorted, arcs.begin(), arcs.end(), std::uint32_t(nodes));
+    std::vector<std::pair<std::uint32_t, std::uint32_t>>().swap(arcs); // the graph has its own by now
     std::vector<double> residual = capacity;
     std::vector<boost::default_color_type> colour(nodes);
     std::vector<Edge> predecessor(nodes);

@@ -1,6 +1,7 @@
 #include <recon/short_handles.h>
 
 #include <recon/ball_link.h>
+#include <recon/disjoint_sets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,27 +26,6 @@ void visit_neighbours(const Triangulation& regular, const CellsAtVertices& at, i
                 f(other);
 }
 
-class Components
-{
-public:
-    explicit Components(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int find(int i)
-    {
-        while (parent_[i] != i)
-            i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(int a, int b)
-    {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<int> parent_;
-};
-
 /// Balls of `side` that stay out when the side grows from those that are not doubtful, highest margin first, and closes
 /// no ring more than it fills.
 std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVertices& at, Side side,
@@ -65,7 +45,7 @@ std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVe
         return candidates;
     for (const int i : candidates)
         labels[i] = opposite(side);
-    Components components(labels.size());
+    DisjointSets components(labels.size());
     for (const auto& cell : regular.cells)
         for (int i = 1; i < 4; ++i)
             for (int j = 0; j < i; ++j)
@@ -245,7 +225,7 @@ private:
                                      around.push_back(other);
                                  }
                              });
-        Components pieces(around.size());
+        DisjointSets pieces(around.size());
         for (const int b : set)
             for (int k = at_.first[b]; k < at_.first[b + 1]; ++k)
             {

@@ -1,9 +1,9 @@
 #include <recon/weld_clusters.h>
 
+#include <recon/disjoint_sets.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace recon
 {
@@ -22,27 +22,18 @@ void for_each_side(const CrustPolygons& polygons, std::size_t p, Function&& call
 /// Per vertex the lowest vertex of its cluster.
 std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<double>& scale)
 {
-    std::vector<int> cluster(polygons.vertices.size());
-    std::iota(cluster.begin(), cluster.end(), 0);
-    const auto root = [&](int i)
-    {
-        while (cluster[i] != i)
-            i = cluster[i] = cluster[cluster[i]];
-        return i;
-    };
+    DisjointSets sets(polygons.vertices.size());
     for (std::size_t p = 0; p + 1 < polygons.first.size(); ++p)
         for_each_side(polygons, p,
                       [&](int a, int b)
                       {
                           const double reach = cluster_length * std::min(scale[a], scale[b]);
-                          if (a > b || (polygons.vertices[a] - polygons.vertices[b]).squaredNorm() > reach * reach)
-                              return;
-                          a = root(a);
-                          b = root(b);
-                          cluster[std::max(a, b)] = std::min(a, b);
+                          if (a < b && (polygons.vertices[a] - polygons.vertices[b]).squaredNorm() <= reach * reach)
+                              sets.join(a, b);
                       });
+    std::vector<int> cluster(polygons.vertices.size());
     for (int i = 0; i < int(cluster.size()); ++i)
-        cluster[i] = cluster[cluster[i]];
+        cluster[i] = sets.find(i);
     return cluster;
 }
 

@@ -3,6 +3,7 @@
 #include <recon/crust_mesh.h>
 #include <recon/crust_repair.h>
 #include <recon/delaunay.h>
+#include <recon/disjoint_sets.h>
 #include <recon/labelled_balls.h>
 #include <recon/neighbours.h>
 #include <recon/opposite_votes.h>
@@ -267,4 +268,19 @@ TEST(OppositeVotes, CrossASlabOfNoise)
     }
     EXPECT_GT(total, 3000);
     EXPECT_GT(right, 0.99 * total);
+}
+
+TEST(DisjointSets, AreRepresentedByTheirLowestMember)
+{
+    DisjointSets sets(6);
+    EXPECT_TRUE(sets.join(5, 3));
+    EXPECT_TRUE(sets.join(4, 2));
+    EXPECT_TRUE(sets.join(3, 4));
+    EXPECT_FALSE(sets.join(2, 5));
+    EXPECT_EQ(sets.find(5), 2);
+    EXPECT_EQ(sets.find(0), 0);
+    EXPECT_EQ(sets.add(), 6);
+    EXPECT_TRUE(sets.join(6, 0));
+    EXPECT_EQ(sets.find(6), 0);
+    EXPECT_EQ(sets.find(1), 1);
 }
