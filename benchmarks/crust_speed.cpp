@@ -2,34 +2,14 @@
 // Usage: crust_speed <model.ply> [repetitions]
 // Prints for 1 and 2 threads the ratio of the medians, for the whole filter and for the paper's path alone (no denoising,
 // smoothing or simplification), noise-free and with four copies at 0.2 %.
+#include "bare_delaunay.h"
+#include "median_seconds.h"
 #include "models.h"
 
-#include "bare_delaunay.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
-
-namespace
-{
-
-double median_seconds(int repetitions, const std::function<void()>& run)
-{
-    std::vector<double> seconds;
-    for (int i = 0; i < repetitions; ++i)
-    {
-        const auto begin = std::chrono::steady_clock::now();
-        run();
-        seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    }
-    std::sort(seconds.begin(), seconds.end());
-    return seconds[seconds.size() / 2];
-}
-
-} // namespace
 
 int main(int argc, char** argv)
 {
@@ -44,7 +24,7 @@ int main(int argc, char** argv)
     for (const double sigma : {0.0, 0.2})
     {
         const recon::Points cloud = benchmarks::noisy_cloud(model, sigma, 21);
-        const double bare = median_seconds(repetitions, [&] { benchmarks::time_bare_delaunay(cloud); });
+        const double bare = benchmarks::median_seconds(repetitions, [&] { benchmarks::time_bare_delaunay(cloud); });
         for (const bool paper : {false, true})
             for (const int threads : {1, 2})
             {
@@ -56,7 +36,7 @@ int main(int argc, char** argv)
                     options.smooth = options.simplify = false;
                 }
                 const double whole =
-                    median_seconds(repetitions, [&] { recon::reconstruct_noisy_power_crust(cloud, options); });
+                    benchmarks::median_seconds(repetitions, [&] { recon::reconstruct_noisy_power_crust(cloud, options); });
                 std::printf("| %.1f | %zu | %s | %d | %.2f | %.2f | %.1f |\n", sigma, cloud.size(),
                             paper ? "paper's" : "default", threads, bare, whole, whole / bare);
             }

@@ -8,7 +8,7 @@
 namespace recon
 {
 
-/// A three-dimensional triangulation as flat arrays, without CGAL's types.
+/// A three-dimensional triangulation as flat arrays.
 struct Triangulation
 {
     static constexpr int infinite = -1;
