@@ -45,6 +45,14 @@ TEST(OrderSpatially, KeepsNeighboursTogether)
         unsorted += (points[i] - points[i - 1]).norm();
     }
     EXPECT_LT(path, 0.1 * unsorted);
+    // A stray point far away, which leaves all others to one cell of the curve.
+    Points with_stray = points;
+    with_stray.push_back(Point::Constant(1e9));
+    const SpatialOrder same = order_spatially(with_stray);
+    double path_beside = 0;
+    for (std::size_t i = 1; i < points.size(); ++i)
+        path_beside += (with_stray[same.order[i]] - with_stray[same.order[i - 1]]).norm();
+    EXPECT_LT(path_beside, 0.1 * unsorted);
 }
 
 TEST(OrderSpatially, TakesEmptyAndEqualPoints)
