@@ -45,6 +45,7 @@ public:
     {
         Point x = start;
         Vector normal = Vector::UnitZ();
+        double last = 0; // step before, 0 = none
         result.converged[i] = 0;
         for (int step = 1; step <= options_.max_iterations; ++step)
         {
@@ -60,17 +61,30 @@ public:
             if (!move.allFinite())
                 break;
             x += move;
-            if (length < options_.tolerance * options_.rho_e * f / std::sqrt(root_of_two))
+            const double width = options_.rho_e * f / std::sqrt(root_of_two);
+            if (length <= limit && estimate_error(length / width, last) < options_.tolerance)
             {
                 result.converged[i] = 1;
                 break;
             }
+            last = length / width;
         }
         result.points[i] = x;
         result.normals[i] = normal;
     }
 
 private:
+    /// Distance to the zero after a step, all in widths. Newton's error falls with the square of the step, that of VMLS
+    /// and PMLS, whose n(x) lags behind, by a ratio that two steps tell.
+    double estimate_error(double step, double last) const
+    {
+        constexpr double slowest = 0.95;
+        if (options_.surface == PlainSurface::normalised || options_.surface == PlainSurface::plain_n)
+            return step * step;
+        const double ratio = last > 0 ? std::min(step / last, slowest) : slowest;
+        return step * ratio / (1 - ratio);
+    }
+
     /// Samples within the cut-off and their squared widths. \returns f at x.
     double gather(const Point& x)
     {

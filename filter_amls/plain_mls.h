@@ -23,10 +23,11 @@ enum class PlainSurface
 struct PlainMlsOptions
 {
     PlainSurface surface = PlainSurface::normalised;
-    double rho_e = 0.75;       ///< Gaussian width [local feature size], > 0. The paper's value in all its experiments.
-    double cut_off = 5;        ///< Samples farther than this do not count [widths], > 0.
-    int max_iterations = 30;   ///< Steps per point [count], >= 1.
-    double tolerance = 1e-3;   ///< A point has converged when a step is below this [width], > 0.
+    double rho_e = 0.75;     ///< Gaussian width [local feature size], > 0. The paper's value in all its experiments.
+    double cut_off = 5;      ///< Samples farther than this do not count [widths], > 0.
+    int max_iterations = 30; ///< Steps per point [count], >= 1.
+    double tolerance =
+        1e-3; ///< A point has converged when the error that its last steps tell is below this [width], > 0.
     double largest_step = 0.5; ///< Limit of a step [local feature size], > 0.
     int threads = 0;           ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };

@@ -78,6 +78,26 @@ TEST(PlainMls, IAndNHaveTheSameZeros)
         EXPECT_LT((n.points[k] - i.points[k]).norm(), 2e-3);
 }
 
+TEST(PlainMls, StopsWithinTheToleranceOfTheLimit)
+{
+    const OrientedSamples samples = shapes::sphere(3000, 1, 5);
+    const std::vector<double> ones(samples.points.size(), 1.0);
+    for (PlainSurface surface : {PlainSurface::normalised, PlainSurface::vmls})
+    {
+        PlainMlsOptions options;
+        options.surface = surface;
+        options.max_iterations = 300;
+        const PlainMlsProjection stopped = project_to_plain_mls(near_sphere(0.3), samples, ones, options);
+        const double tolerance = options.tolerance * options.rho_e / std::pow(2.0, 0.25);
+        options.tolerance = 1e-12;
+        const PlainMlsProjection limit = project_to_plain_mls(stopped.points, samples, ones, options);
+        int within = 0;
+        for (std::size_t i = 0; i < stopped.points.size(); ++i)
+            within += (limit.points[i] - stopped.points[i]).norm() < tolerance;
+        EXPECT_GE(within, 0.95 * double(stopped.points.size())) << int(surface);
+    }
+}
+
 TEST(PlainMls, DoesNotDependOnThreads)
 {
     for (PlainSurface surface : all_surfaces)
