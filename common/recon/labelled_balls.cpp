@@ -105,9 +105,10 @@ std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, 
 }
 
 /// Without normals a clean coarse cloud's real holes have hardly more evidence than spurious ones: only the least supported go.
-ShortHandleOptions options_for_handles(bool oriented)
+ShortHandleOptions options_for_handles(bool oriented, int threads)
 {
     ShortHandleOptions options;
+    options.threads = threads;
     if (!oriented)
         options.largest_support = 40;
     return options;
@@ -230,7 +231,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
                 labels[v] = Side::outer;
                 graph.is_root[v] = 1;
             }
-    remove_short_handles(regular, graph, kept.balls, ball_scale, margins, options_for_handles(oriented), labels);
+    remove_short_handles(regular, graph, kept.balls, ball_scale, margins, options_for_handles(oriented, threads), labels);
     progress.part(0.85, 1, "repair").report(1);
     times.end();
     return {std::move(kept),       std::move(diagram), std::move(regular), std::move(labels), std::move(ball_scale),

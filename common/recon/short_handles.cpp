@@ -2,8 +2,10 @@
 
 #include <recon/ball_link.h>
 #include <recon/disjoint_sets.h>
+#include <recon/parallel.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -351,26 +353,35 @@ std::vector<int> narrow(std::vector<int> set, Evidence& evidence, const Triangul
 
 } // namespace
 
-int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels)
+int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
     // One vertex per mixed cell, one edge per mixed triangle, one polygon per mixed edge of the triangulation.
-    long long vertices = 0, half_edges = 0, faces = 0;
-    std::vector<int> ring;
-    for (int c = 0; c < regular.finite_cells; ++c)
-    {
-        const auto& v = regular.cells[c].vertices;
-        int inner = 0;
-        for (const int ball : v)
-            inner += labels[ball] == Side::inner;
-        if (inner == 0 || inner == 4)
-            continue;
-        ++vertices;
-        half_edges += inner == 2 ? 4 : 3;
-        for (int i = 0; i < 4; ++i)
-            for (int j = i + 1; j < 4; ++j)
-                faces += labels[v[i]] != labels[v[j]] && regular.can_be_lowest(c, i, j) &&
-                         regular.list_ring_from_lowest(c, v[i], v[j], ring);
-    }
+    std::atomic<long long> vertices{0}, half_edges{0}, faces{0};
+    parallel_chunks(
+        std::size_t(regular.finite_cells), threads, 16384, {},
+        [&](std::size_t begin, std::size_t end)
+        {
+            long long own_vertices = 0, own_half_edges = 0, own_faces = 0;
+            std::vector<int> ring;
+            for (int c = int(begin); c < int(end); ++c)
+            {
+                const auto& v = regular.cells[c].vertices;
+                int inner = 0;
+                for (const int ball : v)
+                    inner += labels[ball] == Side::inner;
+                if (inner == 0 || inner == 4)
+                    continue;
+                ++own_vertices;
+                own_half_edges += inner == 2 ? 4 : 3;
+                for (int i = 0; i < 4; ++i)
+                    for (int j = i + 1; j < 4; ++j)
+                        own_faces += labels[v[i]] != labels[v[j]] && regular.can_be_lowest(c, i, j) &&
+                                     regular.list_ring_from_lowest(c, v[i], v[j], ring);
+            }
+            vertices += own_vertices;
+            half_edges += own_half_edges;
+            faces += own_faces;
+        });
     return int(vertices - half_edges / 2 + faces);
 }
 
@@ -378,7 +389,7 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
                          const std::vector<double>& scale, const std::vector<double>& margins,
                          const ShortHandleOptions& options, std::vector<Side>& labels)
 {
-    if (measure_interface_euler(regular, labels) >= 2)
+    if (measure_interface_euler(regular, labels, options.threads) >= 2)
         return 0; // a sphere has none
     const CellsAtVertices at = list_cells_at_vertices(regular, int(labels.size()));
     std::vector<char> is_doubtful(labels.size());

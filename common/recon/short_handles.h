@@ -18,6 +18,7 @@ struct ShortHandleOptions
     double largest_support = 125;
     double longest_ring = 40; ///< Whatever its support, no longer one goes [local scales].
     int rounds = 3;           ///< Handles may hide one another [count].
+    int threads = 1;          ///< [count], >= 1. The result does not depend on it.
 };
 
 /// Removes handles that are short and little supported. Each side grows from its certain balls, the least doubtful
@@ -33,6 +34,6 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
                          const ShortHandleOptions& options, std::vector<Side>& labels);
 
 /// Euler characteristic of the surface between the sides. \pre every ball on the hull is outer.
-int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels);
+int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1);
 
 } // namespace recon
