@@ -1,6 +1,6 @@
-// Wall-clock time of the Delaunay triangulation as flat arrays with circumcentres, beside CGAL's bare one of the same points.
-// Usage: triangulation_speed <repetitions> <model.ply>...
-// Prints medians for 1 and 2 threads, noise-free and with four copies at 0.2 %.
+// Wall-clock time of the Delaunay triangulation as flat arrays with circumcentres, beside CGAL's bare one of the same
+// points. Usage: triangulation_speed <repetitions> <model.ply>... Prints medians for 1 and 2 threads, noise-free and
+// with four copies at 0.2 %.
 #include "bare_delaunay.h"
 #include "median_seconds.h"
 #include "models.h"
@@ -27,7 +27,8 @@ int main(int argc, char** argv)
         {
             const recon::Points cloud = benchmarks::noisy_cloud(model, sigma, 21);
             const double bare = benchmarks::median_seconds(repetitions, [&] { benchmarks::time_bare_delaunay(cloud); });
-            std::printf("| %s | %.1f | %zu | %.2f |", std::filesystem::path(argv[i]).stem().c_str(), sigma, cloud.size(), bare);
+            std::printf("| %s | %.1f | %zu | %.2f |", std::filesystem::path(argv[i]).stem().c_str(), sigma,
+                        cloud.size(), bare);
             for (const int threads : {1, 2})
             {
                 const double own =

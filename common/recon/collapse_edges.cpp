@@ -32,8 +32,8 @@ int block_of(int vertex)
 class Collapser
 {
 public:
-    Collapser(TriangleMesh& mesh, const HalfEdges& half_edges, const std::vector<double>& scale, const std::vector<int>& merged,
-              const EdgeCollapseOptions& options)
+    Collapser(TriangleMesh& mesh, const HalfEdges& half_edges, const std::vector<double>& scale,
+              const std::vector<int>& merged, const EdgeCollapseOptions& options)
         : mesh_(mesh), options_(options), triangles_(mesh.triangles.size()), vertices_left_(int(mesh.vertices.size()))
     {
         for (const double share : {0.01, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0})
@@ -52,7 +52,8 @@ public:
                          triangles_[t] = {{corners[0], corners[1], corners[2], gone}, half_edges.twin[t]};
                      });
         blocks_.resize(std::size_t(block_of(int(vertices_.size()) - 1)) + 1);
-        parallel_for(blocks_.size(), options.threads, {}, [&](std::size_t b) { enlist_block(int(b)); }, 1);
+        parallel_for(
+            blocks_.size(), options.threads, {}, [&](std::size_t b) { enlist_block(int(b)); }, 1);
     }
 
     void run()

@@ -21,8 +21,7 @@ double pseudo_random(std::uint64_t index)
 
 } // namespace
 
-PowerDiagram::PowerDiagram(const std::vector<Ball>& balls)
-    : present_(balls.size())
+PowerDiagram::PowerDiagram(const std::vector<Ball>& balls) : present_(balls.size())
 {
     centres_.reserve(balls.size());
     weights_.reserve(balls.size());
@@ -56,7 +55,8 @@ void PowerDiagram::remove(const std::vector<int>& balls, Triangulation& current,
     for (const int ball : present_)
         if (leaves[ball])
             removed.push_back(ball);
-    present_.erase(std::remove_if(present_.begin(), present_.end(), [&](int ball) { return leaves[ball]; }), present_.end());
+    present_.erase(std::remove_if(present_.begin(), present_.end(), [&](int ball) { return leaves[ball]; }),
+                   present_.end());
     // Taking one out costs as much as inserting some ten.
     const bool few = removed.size() < 0.1 * double(present_.size());
     if (!few || !remove_sites(current, centres_, weights_, removed))

@@ -25,12 +25,12 @@ public:
     /// \pre at least 4 centres are affinely independent; coordinates of the order of 1 (UnitFrame).
     explicit PowerDiagram(const std::vector<Ball>& balls);
 
-    /// The dual triangulation, the same for any number of threads; vertices are indices of the balls, hidden balls are vertices
-    /// of no cell. \throws Cancelled.
+    /// The dual triangulation, the same for any number of threads; vertices are indices of the balls, hidden balls are
+    /// vertices of no cell. \throws Cancelled.
     Triangulation triangulation(int threads = 1, const Progress& progress = {});
 
-    /// Takes these balls out. Balls that were hidden stay hidden. `current`, as triangulation() or the last call gave it, becomes
-    /// the dual triangulation of the balls left.
+    /// Takes these balls out. Balls that were hidden stay hidden. `current`, as triangulation() or the last call gave
+    /// it, becomes the dual triangulation of the balls left.
     void remove(const std::vector<int>& balls, Triangulation& current, int threads = 1);
 
 private:

@@ -28,8 +28,8 @@ int find_orientation_exactly(const Site& a, const Site& b, const Site& c, const 
 
 int find_power_side_exactly(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e)
 {
-    return int(Kernel().power_side_of_oriented_power_sphere_3_object()(weighted(a), weighted(b), weighted(c), weighted(d),
-                                                                        weighted(e)));
+    return int(Kernel().power_side_of_oriented_power_sphere_3_object()(weighted(a), weighted(b), weighted(c),
+                                                                       weighted(d), weighted(e)));
 }
 
 } // namespace recon

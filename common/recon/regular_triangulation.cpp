@@ -1,14 +1,11 @@
 #include <recon/regular_triangulation.h>
 
 #include <recon/parallel.h>
-#include <recon/power_centre.h>
 #include <recon/scramble.h>
 #include <recon/spatial_order.h>
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
-#include <numeric>
 #include <thread>
 
 namespace recon
@@ -50,7 +47,8 @@ void RegularTriangulation::order_sites(const Points& points, const std::vector<d
     {
         int& best = indices_[along.representative[k]];
         const int i = members[k];
-        if (best == none || (weights.empty() ? i < best : weights[i] > weights[best] || (weights[i] == weights[best] && i < best)))
+        if (best == none ||
+            (weights.empty() ? i < best : weights[i] > weights[best] || (weights[i] == weights[best] && i < best)))
             best = i;
     }
     sites_.reserve(indices_.size());
@@ -72,8 +70,8 @@ bool RegularTriangulation::make_first_cells()
     const int n = int(sites_.size());
     if (n < 4)
         return false;
-    // The flattest start is as good as any: exact signs find four sites that span a volume if there are any. Sites far apart
-    // along the curve come first, for the exact tests of flat ones are slow.
+    // The flattest start is as good as any: exact signs find four sites that span a volume if there are any. Sites far
+    // apart along the curve come first, for the exact tests of flat ones are slow.
     const auto spans_area = [&](int c)
     {
         for (int axis = 0; axis < 3; ++axis)
@@ -126,8 +124,8 @@ bool RegularTriangulation::make_first_cells()
 
 void RegularTriangulation::insert_all(int threads, const Progress& progress)
 {
-    // Rounds of random subsets, each eight times the one before, bound the expected work (Amenta, Choi and Rote 2003); along
-    // the curve within a round, so that the next site is near the last.
+    // Rounds of random subsets, each eight times the one before, bound the expected work (Amenta, Choi and Rote 2003);
+    // along the curve within a round, so that the next site is near the last.
     int rounds = 1;
     for (std::size_t left = sites_.size(); left > 512; left /= 8)
         ++rounds;
@@ -280,8 +278,8 @@ void RegularTriangulation::disown(Worker& worker)
     worker.owned.clear();
 }
 
-/// Walks from the hint to a cell that contains the site, or to an infinite one that sees it; `none` if a cell on the way has
-/// another owner.
+/// Walks from the hint to a cell that contains the site, or to an infinite one that sees it; `none` if a cell on the
+/// way has another owner.
 int RegularTriangulation::locate(int site, Worker& worker)
 {
     int c = worker.hint, previous = none;
@@ -324,10 +322,12 @@ bool RegularTriangulation::own_for_test(int cell, Worker& worker)
     if (!own(cell, worker))
         return false;
     const Cell& c = cells_[cell];
-    return worker.owner == nobody || !is_infinite(c) || own(c.neighbours[c.position_of(Triangulation::infinite)], worker);
+    return worker.owner == nobody || !is_infinite(c) ||
+           own(c.neighbours[c.position_of(Triangulation::infinite)], worker);
 }
 
-/// Lists and marks the cells in conflict with the site, and the hull of them. \returns false if a cell has another owner.
+/// Lists and marks the cells in conflict with the site, and the hull of them. \returns false if a cell has another
+/// owner.
 bool RegularTriangulation::find_conflicts(int site, int first, Worker& worker)
 {
     worker.conflicts.push_back(first);
@@ -419,8 +419,8 @@ void RegularTriangulation::fill_hole(int site, Worker& worker)
     }
 }
 
-/// Makes new cells at facets side by side on the hull neighbours. In two passes, since whether a facet is the first at an edge
-/// is nothing that a processor could predict.
+/// Makes new cells at facets side by side on the hull neighbours. In two passes, since whether a facet is the first at
+/// an edge is nothing that a processor could predict.
 void RegularTriangulation::join_along_edges(Worker& worker)
 {
     // A hull of f facets has 3 f directed edges.
@@ -438,7 +438,8 @@ void RegularTriangulation::join_along_edges(Worker& worker)
         worker.fills = 1;
     }
     const unsigned mask = unsigned(worker.edges.size()) - 1;
-    const auto place = [](int from, int to) { return (unsigned(from) * 0x9e3779b1u + unsigned(to)) * 0x85ebca6bu >> 12; };
+    const auto place = [](int from, int to)
+    { return (unsigned(from) * 0x9e3779b1u + unsigned(to)) * 0x85ebca6bu >> 12; };
     // Opposite positions 0 to 3 of a positively oriented cell the others, counter-clockwise seen from there.
     constexpr int around[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
     for (std::size_t k = 0; k < worker.hull.size(); ++k)
@@ -484,7 +485,8 @@ bool RegularTriangulation::is_in_conflict(const Cell& c, int site) const
     {
         const int i = c.position_of(Triangulation::infinite);
         const int orientation = find_orientation_with(c, i, site);
-        // In the plane of the facet the sphere of the cell behind it decides, which meets the plane in the facet's circle.
+        // In the plane of the facet the sphere of the cell behind it decides, which meets the plane in the facet's
+        // circle.
         return orientation != 0 ? orientation > 0 : is_in_conflict(cells_[c.neighbours[i]], site);
     }
     const int side = find_power_side(sites_[v[0]], sites_[v[1]], sites_[v[2]], sites_[v[3]], sites_[site]);
@@ -492,12 +494,13 @@ bool RegularTriangulation::is_in_conflict(const Cell& c, int site) const
 }
 
 /// The sign of the power side if the weight of each site were larger by an infinitesimal, that of lower indices by one
-/// infinitely larger: a heavier new site is in conflict; a heavier vertex moves the sphere away from the new site where its
-/// barycentric coordinate there is positive, towards it where that is negative.
+/// infinitely larger: a heavier new site is in conflict; a heavier vertex moves the sphere away from the new site where
+/// its barycentric coordinate there is positive, towards it where that is negative.
 bool RegularTriangulation::is_in_perturbed_conflict(const Cell& c, int site) const
 {
     std::array<int, 4> order{0, 1, 2, 3};
-    std::sort(order.begin(), order.end(), [&](int i, int j) { return indices_[c.vertices[i]] < indices_[c.vertices[j]]; });
+    std::sort(order.begin(), order.end(),
+              [&](int i, int j) { return indices_[c.vertices[i]] < indices_[c.vertices[j]]; });
     for (const int i : order)
     {
         if (indices_[site] < indices_[c.vertices[i]])
@@ -507,118 +510,6 @@ bool RegularTriangulation::is_in_perturbed_conflict(const Cell& c, int site) con
             return coordinate < 0;
     }
     return true;
-}
-
-/// The cell with indices of points for vertices, in ascending order but for the last two.
-RegularTriangulation::Cell RegularTriangulation::name_vertices(Cell cell) const
-{
-    for (int& v : cell.vertices)
-        v = v == Triangulation::infinite ? v : indices_[v];
-    bool odd = false;
-    const auto exchange = [&](int p, int q)
-    {
-        std::swap(cell.vertices[p], cell.vertices[q]);
-        std::swap(cell.neighbours[p], cell.neighbours[q]);
-        odd = !odd;
-    };
-    for (const auto& [p, q] : {std::pair(0, 1), std::pair(2, 3), std::pair(0, 2), std::pair(1, 3), std::pair(1, 2)})
-        if (cell.vertices[p] > cell.vertices[q])
-            exchange(p, q);
-    if (odd)
-        exchange(2, 3);
-    return cell;
-}
-
-Triangulation RegularTriangulation::flatten(const Points& points, const std::vector<double>& weights, int threads) &&
-{
-    marks_ = {};
-    owners_.reset();
-    serial_ = {};
-    constexpr std::size_t grain = 8192;
-    const std::size_t n = points.size();
-    // Buckets by the lowest vertex, finite cells first, infinite ones by their lowest finite vertex after them.
-    std::vector<int> bucket(used_);
-    parallel_for(
-        bucket.size(), threads, {},
-        [&](std::size_t i)
-        {
-            const auto& v = cells_[i].vertices;
-            bucket[i] = none;
-            if (v[0] == dead)
-                return;
-            int lowest = std::numeric_limits<int>::max();
-            for (const int k : v)
-                lowest = k == Triangulation::infinite ? lowest : std::min(lowest, indices_[k]);
-            bucket[i] = is_infinite(cells_[i]) ? int(n) + lowest : lowest;
-        },
-        grain);
-    std::vector<int> first(2 * n + 1, 0);
-    for (const int b : bucket)
-        if (b != none)
-            ++first[b + 1];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<int> order(first.back()), position(used_);
-    std::vector<int> next(first.begin(), first.end() - 1);
-    for (std::size_t i = 0; i < bucket.size(); ++i)
-        if (bucket[i] != none)
-            order[next[bucket[i]]++] = int(i);
-
-    bucket = {};
-    next = {};
-
-    Triangulation flat;
-    flat.finite_cells = first[n];
-    flat.cells.resize(order.size());
-    parallel_chunks(
-        2 * n, threads, grain, {},
-        [&](std::size_t begin, std::size_t end)
-        {
-            struct Named
-            {
-                Cell cell;
-                int number;
-            };
-            std::vector<Named> in_bucket;
-            for (std::size_t b = begin; b < end; ++b)
-            {
-                in_bucket.clear();
-                for (int k = first[b]; k < first[b + 1]; ++k)
-                {
-                    // They lie where the insertion has put them: without this, half the time goes in waiting for memory.
-                    constexpr int ahead = 24;
-                    if (k + ahead < int(order.size()))
-                        __builtin_prefetch(&cells_[order[k + ahead]]);
-                    in_bucket.push_back({name_vertices(cells_[order[k]]), order[k]});
-                }
-                std::sort(in_bucket.begin(), in_bucket.end(),
-                          [](const Named& p, const Named& q) { return p.cell.vertices < q.cell.vertices; });
-                int k = first[b];
-                for (const Named& named : in_bucket)
-                {
-                    flat.cells[k] = named.cell;
-                    position[named.number] = k++;
-                }
-            }
-        });
-    cells_.reset();
-    const std::size_t count = order.size();
-    order = {};
-    flat.centres.resize(std::size_t(flat.finite_cells));
-    parallel_for(
-        count, threads, {},
-        [&](std::size_t k)
-        {
-            for (int& neighbour : flat.cells[k].neighbours)
-                neighbour = position[neighbour];
-            if (!flat.is_finite(int(k)))
-                return;
-            const auto& v = flat.cells[k].vertices;
-            const auto weight = [&](int i) { return weights.empty() ? 0 : weights[v[i]]; };
-            flat.centres[k] = find_power_centre({points[v[0]], points[v[1]], points[v[2]], points[v[3]]},
-                                                {weight(0), weight(1), weight(2), weight(3)});
-        },
-        grain);
-    return flat;
 }
 
 } // namespace recon

@@ -9,20 +9,20 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace recon
 {
 
 /// Regular triangulation (of equal weights: Delaunay) by incremental insertion: each site takes out the cells whose
-/// orthogonal sphere it lies in and joins their hull (Bowyer 1981, Watson 1981). Predicates are exact. Where five sites touch one
-/// sphere, the site of the lower index counts as heavier by an infinitesimal (Devillers and Teillaud 2011), so the triangulation
-/// is unique: it depends neither on the order of insertion nor on the threads.
+/// orthogonal sphere it lies in and joins their hull (Bowyer 1981, Watson 1981). Predicates are exact. Where five sites
+/// touch one sphere, the site of the lower index counts as heavier by an infinitesimal (Devillers and Teillaud 2011),
+/// so the triangulation is unique: it depends neither on the order of insertion nor on the threads.
 ///
-/// Threads work on their own stretches of a space-filling curve through the sites. Each cell has an owner while a thread reads or
-/// changes it (as in Levy's Geogram); nobody waits for a cell: the site is put off, in the end until the threads have joined.
-/// CGAL's parallel mode spins on its locks instead: on a busy machine it took nine times the processor time.
+/// Threads work on their own stretches of a space-filling curve through the sites. Each cell has an owner while a
+/// thread reads or changes it (as in Levy's Geogram); nobody waits for a cell: the site is put off, in the end until
+/// the threads have joined. CGAL's parallel mode spins on its locks instead: on a busy machine it took nine times the
+/// processor time.
 class RegularTriangulation
 {
 public:
@@ -32,10 +32,10 @@ public:
     RegularTriangulation(const Points& points, const std::vector<double>& weights, const std::vector<int>& members,
                          int threads, const Progress& progress);
 
-    /// As flat arrays, with the power centres; no cells if all points are coplanar. Vertices of a cell ascend but for the last
-    /// two, which keep the orientation. Finite cells go by their vertices: where the points are in a spatial order, so are the
-    /// cells then, and walks stay in the cache.
-    /// \param points, weights as they were given. Frees what it has copied on the way: call it once.
+    /// As flat arrays, with the power centres; no cells if all points are coplanar. Vertices of a cell ascend but for
+    /// the last two, which keep the orientation. Finite cells go by their vertices: where the points are in a spatial
+    /// order, so are the cells then, and walks stay in the cache. \param points, weights as they were given. Frees what
+    /// it has copied on the way: call it once.
     Triangulation flatten(const Points& points, const std::vector<double>& weights, int threads) &&;
 
 private:
@@ -52,18 +52,19 @@ private:
     /// What one thread works with.
     struct Worker
     {
-        std::uint8_t owner = nobody; ///< `nobody` for one that is alone.
-        int hint = none;             ///< A cell, possibly dead.
-        std::vector<int> owned;      ///< Cells.
-        std::vector<int> free;       ///< Dead cells.
+        std::uint8_t owner = nobody;          ///< `nobody` for one that is alone.
+        int hint = none;                      ///< A cell, possibly dead.
+        std::vector<int> owned;               ///< Cells.
+        std::vector<int> free;                ///< Dead cells.
         int unused_begin = 0, unused_end = 0; ///< Cells never used so far.
         std::uint32_t random = 1;
         std::vector<int> conflicts, others; ///< Cells that a site takes out, and those tested that stay.
-        std::vector<std::array<int, 2>> hull; ///< Facets between the two: position in `conflicts`, position of the vertex opposite.
-        std::vector<int> fresh;               ///< Cells to be, one per facet of the hull.
-        std::vector<HullEdge> edges;          ///< Hash table.
-        unsigned fills = 0;                   ///< Holes filled so far.
-        std::vector<int> put_off;             ///< Sites.
+        std::vector<std::array<int, 2>>
+            hull;               ///< Facets between the two: position in `conflicts`, position of the vertex opposite.
+        std::vector<int> fresh; ///< Cells to be, one per facet of the hull.
+        std::vector<HullEdge> edges; ///< Hash table.
+        unsigned fills = 0;          ///< Holes filled so far.
+        std::vector<int> put_off;    ///< Sites.
     };
     enum class Outcome
     {
@@ -95,20 +96,23 @@ private:
     void fill_hole(int site, Worker& worker);
     void join_along_edges(Worker& worker);
 
-    bool is_infinite(const Cell& c) const { return (c.vertices[0] | c.vertices[1] | c.vertices[2] | c.vertices[3]) < 0; }
+    bool is_infinite(const Cell& c) const
+    {
+        return (c.vertices[0] | c.vertices[1] | c.vertices[2] | c.vertices[3]) < 0;
+    }
     Cell name_vertices(Cell cell) const;
     int find_orientation_with(const Cell& c, int position, int site) const;
     bool is_in_conflict(const Cell& c, int site) const;
     bool is_in_perturbed_conflict(const Cell& c, int site) const;
 
-    std::vector<Site> sites_;  ///< Along the curve.
-    std::vector<int> indices_; ///< Of the sites, in the points.
-    std::vector<char> is_first_;
+    std::vector<Site> sites_;    ///< Along the curve.
+    std::vector<int> indices_;   ///< Of the sites, in the points.
+    std::vector<char> is_first_; ///< Of the sites, whether the first cell has it.
     std::unique_ptr<Cell[]> cells_;
     std::vector<int> marks_; ///< Per cell: 1 + its position among the conflicts, -1 if tested and not one, else 0.
     std::unique_ptr<std::atomic<std::uint8_t>[]> owners_; ///< Per cell.
-    int used_ = 0;           ///< Cells handed out so far, dead ones among them.
-    Worker serial_;          ///< For when there is one thread.
+    int used_ = 0;                                        ///< Cells handed out so far, dead ones among them.
+    Worker serial_;                                       ///< For when there is one thread.
 };
 
 } // namespace recon

@@ -29,7 +29,8 @@ struct SidedFacet
 
 SidedFacet facet_opposite(const std::array<int, 4>& cell, int position)
 {
-    SidedFacet facet{{cell[(position + 1) & 3], cell[(position + 2) & 3], cell[(position + 3) & 3]}, (position & 1) != 0};
+    SidedFacet facet{{cell[(position + 1) & 3], cell[(position + 2) & 3], cell[(position + 3) & 3]},
+                     (position & 1) != 0};
     for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 2), std::pair(0, 1)})
         if (facet.vertices[i] > facet.vertices[j])
         {
@@ -44,7 +45,8 @@ class Remover
 public:
     Remover(Triangulation& triangulation, const Points& points, const std::vector<double>& weights,
             const std::vector<int>& removed)
-        : t_(triangulation), points_(points), weights_(weights), cell_of_(points.size(), none), mark_(t_.cells.size(), none)
+        : t_(triangulation), points_(points), weights_(weights), cell_of_(points.size(), none),
+          mark_(t_.cells.size(), none)
     {
         std::vector<char> leaves(points.size(), 0);
         for (const int v : removed)
@@ -189,7 +191,8 @@ private:
         std::sort(star_.begin(), star_.end());
         std::size_t facets = 0;
         for (const int c : inside)
-            facets += std::size_t(std::count_if(hull_of[c].begin(), hull_of[c].end(), [](auto* f) { return f != nullptr; }));
+            facets +=
+                std::size_t(std::count_if(hull_of[c].begin(), hull_of[c].end(), [](auto* f) { return f != nullptr; }));
         if (facets != hull_.size() || inside.size() > star_.size() + gaps_.size())
             return false;
         for (std::size_t k = 0; k < inside.size(); ++k)
@@ -235,8 +238,9 @@ private:
     Triangulation& t_;
     const Points& points_;
     const std::vector<double>& weights_;
-    std::vector<int> cell_of_; ///< Per vertex that leaves one of its cells; `none` for the others, and when it has left.
-    std::vector<int> mark_;    ///< Per cell the vertex in whose star it was seen last.
+    std::vector<int>
+        cell_of_;           ///< Per vertex that leaves one of its cells; `none` for the others, and when it has left.
+    std::vector<int> mark_; ///< Per cell the vertex in whose star it was seen last.
     std::vector<int> star_, link_;
     std::vector<Facet> hull_;
     std::vector<int> gaps_; ///< Cells that are no more.

@@ -357,31 +357,30 @@ int measure_interface_euler(const Triangulation& regular, const std::vector<Side
 {
     // One vertex per mixed cell, one edge per mixed triangle, one polygon per mixed edge of the triangulation.
     std::atomic<long long> vertices{0}, half_edges{0}, faces{0};
-    parallel_chunks(
-        std::size_t(regular.finite_cells), threads, 16384, {},
-        [&](std::size_t begin, std::size_t end)
-        {
-            long long own_vertices = 0, own_half_edges = 0, own_faces = 0;
-            std::vector<int> ring;
-            for (int c = int(begin); c < int(end); ++c)
-            {
-                const auto& v = regular.cells[c].vertices;
-                int inner = 0;
-                for (const int ball : v)
-                    inner += labels[ball] == Side::inner;
-                if (inner == 0 || inner == 4)
-                    continue;
-                ++own_vertices;
-                own_half_edges += inner == 2 ? 4 : 3;
-                for (int i = 0; i < 4; ++i)
-                    for (int j = i + 1; j < 4; ++j)
-                        own_faces += labels[v[i]] != labels[v[j]] && regular.can_be_lowest(c, i, j) &&
-                                     regular.list_ring_from_lowest(c, v[i], v[j], ring);
-            }
-            vertices += own_vertices;
-            half_edges += own_half_edges;
-            faces += own_faces;
-        });
+    parallel_chunks(std::size_t(regular.finite_cells), threads, 16384, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        long long own_vertices = 0, own_half_edges = 0, own_faces = 0;
+                        std::vector<int> ring;
+                        for (int c = int(begin); c < int(end); ++c)
+                        {
+                            const auto& v = regular.cells[c].vertices;
+                            int inner = 0;
+                            for (const int ball : v)
+                                inner += labels[ball] == Side::inner;
+                            if (inner == 0 || inner == 4)
+                                continue;
+                            ++own_vertices;
+                            own_half_edges += inner == 2 ? 4 : 3;
+                            for (int i = 0; i < 4; ++i)
+                                for (int j = i + 1; j < 4; ++j)
+                                    own_faces += labels[v[i]] != labels[v[j]] && regular.can_be_lowest(c, i, j) &&
+                                                 regular.list_ring_from_lowest(c, v[i], v[j], ring);
+                        }
+                        vertices += own_vertices;
+                        half_edges += own_half_edges;
+                        faces += own_faces;
+                    });
     return int(vertices - half_edges / 2 + faces);
 }
 

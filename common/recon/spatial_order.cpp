@@ -77,8 +77,8 @@ void sort_by_coordinates(const Points& points, Entries::iterator begin, Entries:
               });
 }
 
-/// Sorts along a curve through the bounding box of these points. A crowd in one cell of it gets a curve of its own: one stray
-/// point far away can put all others into a few cells.
+/// Sorts along a curve through the bounding box of these points. A crowd in one cell of it gets a curve of its own: one
+/// stray point far away can put all others into a few cells.
 void sort_along_curve(const Points& points, Entries::iterator begin, Entries::iterator end)
 {
     constexpr std::ptrdiff_t crowd = 64;

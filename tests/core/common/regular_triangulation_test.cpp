@@ -88,7 +88,8 @@ TEST(RegularTriangulation, IsTheSameForAnyNumberOfThreads)
     for (std::size_t i = 0; i < cloud.size(); ++i)
         weights.push_back(1e-3 * double(i % 5));
     const Points lattice = grid(20);
-    const Triangulation delaunay = triangulate(cloud), regular = triangulate(cloud, weights), degenerate = triangulate(lattice);
+    const Triangulation delaunay = triangulate(cloud), regular = triangulate(cloud, weights),
+                        degenerate = triangulate(lattice);
     for (const int threads : {2, 3, 8})
     {
         expect_same(triangulate(cloud, {}, threads), delaunay);
@@ -152,7 +153,7 @@ TEST(RegularTriangulation, HidesLightSitesAndKeepsTheHeaviestOfEqualOnes)
     const Triangulation t = triangulate(points, weights);
     for (const auto& cell : t.cells)
         used.insert(cell.vertices.begin(), cell.vertices.end());
-    EXPECT_EQ(used.count(0), 0u);   // 200 lies there and is heavier
+    EXPECT_EQ(used.count(0), 0u); // 200 lies there and is heavier
     EXPECT_EQ(used.count(200), 1u);
     EXPECT_EQ(used.count(1), 1u);
     EXPECT_EQ(used.count(201), 0u); // lighter than 1

@@ -1,0 +1,126 @@
+#include <recon/regular_triangulation.h>
+
+#include <recon/parallel.h>
+#include <recon/power_centre.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace recon
+{
+
+/// The cell with indices of points for vertices, in ascending order but for the last two.
+RegularTriangulation::Cell RegularTriangulation::name_vertices(Cell cell) const
+{
+    for (int& v : cell.vertices)
+        v = v == Triangulation::infinite ? v : indices_[v];
+    bool odd = false;
+    const auto exchange = [&](int p, int q)
+    {
+        std::swap(cell.vertices[p], cell.vertices[q]);
+        std::swap(cell.neighbours[p], cell.neighbours[q]);
+        odd = !odd;
+    };
+    for (const auto& [p, q] : {std::pair(0, 1), std::pair(2, 3), std::pair(0, 2), std::pair(1, 3), std::pair(1, 2)})
+        if (cell.vertices[p] > cell.vertices[q])
+            exchange(p, q);
+    if (odd)
+        exchange(2, 3);
+    return cell;
+}
+
+Triangulation RegularTriangulation::flatten(const Points& points, const std::vector<double>& weights, int threads) &&
+{
+    marks_ = {};
+    owners_.reset();
+    serial_ = {};
+    constexpr std::size_t grain = 8192;
+    const std::size_t n = points.size();
+    // Buckets by the lowest vertex, finite cells first, infinite ones by their lowest finite vertex after them.
+    std::vector<int> bucket(used_);
+    parallel_for(
+        bucket.size(), threads, {},
+        [&](std::size_t i)
+        {
+            const auto& v = cells_[i].vertices;
+            bucket[i] = none;
+            if (v[0] == dead)
+                return;
+            int lowest = std::numeric_limits<int>::max();
+            for (const int k : v)
+                lowest = k == Triangulation::infinite ? lowest : std::min(lowest, indices_[k]);
+            bucket[i] = is_infinite(cells_[i]) ? int(n) + lowest : lowest;
+        },
+        grain);
+    std::vector<int> first(2 * n + 1, 0);
+    for (const int b : bucket)
+        if (b != none)
+            ++first[b + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<int> order(first.back()), position(used_);
+    std::vector<int> next(first.begin(), first.end() - 1);
+    for (std::size_t i = 0; i < bucket.size(); ++i)
+        if (bucket[i] != none)
+            order[next[bucket[i]]++] = int(i);
+
+    bucket = {};
+    next = {};
+
+    Triangulation flat;
+    flat.finite_cells = first[n];
+    flat.cells.resize(order.size());
+    parallel_chunks(2 * n, threads, grain, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        struct Named
+                        {
+                            Cell cell;
+                            int number;
+                        };
+                        std::vector<Named> in_bucket;
+                        for (std::size_t b = begin; b < end; ++b)
+                        {
+                            in_bucket.clear();
+                            for (int k = first[b]; k < first[b + 1]; ++k)
+                            {
+                                // They lie where the insertion has put them: without this, half the time goes in
+                                // waiting for memory.
+                                constexpr int ahead = 24;
+                                if (k + ahead < int(order.size()))
+                                    __builtin_prefetch(&cells_[order[k + ahead]]);
+                                in_bucket.push_back({name_vertices(cells_[order[k]]), order[k]});
+                            }
+                            std::sort(in_bucket.begin(), in_bucket.end(),
+                                      [](const Named& p, const Named& q) { return p.cell.vertices < q.cell.vertices; });
+                            int k = first[b];
+                            for (const Named& named : in_bucket)
+                            {
+                                flat.cells[k] = named.cell;
+                                position[named.number] = k++;
+                            }
+                        }
+                    });
+    cells_.reset();
+    const std::size_t count = order.size();
+    order = {};
+    flat.centres.resize(std::size_t(flat.finite_cells));
+    parallel_for(
+        count, threads, {},
+        [&](std::size_t k)
+        {
+            for (int& neighbour : flat.cells[k].neighbours)
+                neighbour = position[neighbour];
+            if (!flat.is_finite(int(k)))
+                return;
+            const auto& v = flat.cells[k].vertices;
+            const auto weight = [&](int i) { return weights.empty() ? 0 : weights[v[i]]; };
+            flat.centres[k] = find_power_centre({points[v[0]], points[v[1]], points[v[2]], points[v[3]]},
+                                                {weight(0), weight(1), weight(2), weight(3)});
+        },
+        grain);
+    return flat;
+}
+
+} // namespace recon
