@@ -279,6 +279,37 @@ TEST(AmlsSurface, WidthFollowsRhoE)
     EXPECT_NEAR(wide.width, 0.8 / std::pow(2, 0.25), 0.12);
 }
 
+TEST(AmlsSurface, OrientsTwoScansThatDisagreeAndHaveHoles)
+{
+    // Each scan sees a bit more than half of a thin torus, the second one beside its place by four times the noise, and
+    // both miss the same round pieces: balls of the outside reach in through them, and between the layers are small
+    // ones.
+    constexpr double minor = 0.12, hole = 0.15, overlap = 0.3;
+    const Vector shift(0.003, 0.005, 0.01);
+    for (unsigned seed : {1u, 2u})
+    {
+        const OrientedSamples torus = shapes::torus(30000, 1, minor, seed),
+                              missing = shapes::torus(60, 1, minor, 100 + seed);
+        OrientedSamples scans;
+        for (std::size_t i = 0; i < torus.points.size(); ++i)
+        {
+            const Point& p = torus.points[i];
+            if (std::any_of(missing.points.begin(), missing.points.end(),
+                            [&](const Point& q) { return (p - q).norm() < hole; }))
+                continue;
+            for (const bool second : {false, true})
+            {
+                if ((second ? -p.x() : p.x()) < -overlap)
+                    continue;
+                scans.points.push_back(second ? Point(p + shift) : p);
+                scans.normals.push_back(torus.normals[i]);
+            }
+        }
+        const AmlsProjection result = project_all(shapes::with_noise(scans.points, 0.003, seed + 7));
+        EXPECT_GT(oriented_share(result, scans.normals), 0.999) << seed;
+    }
+}
+
 TEST(AmlsSurface, ReportsWhatItFound)
 {
     const Points points = shapes::with_noise(shapes::sphere(20000, 1, 29).points, 0.01, 30);
