@@ -99,6 +99,9 @@ void finish_children(const WorkPoint* points, const std::array<int, 3>* corners,
                                takes ? made.z * scale : mean.z};
         for (int k = 0; k < n; ++k)
         {
+            const std::array<int, 3>& corner = corners[first + k];
+            out[first + k].spacing =
+                (points[corner[0]].spacing + points[corner[1]].spacing + points[corner[2]].spacing) * (1.f / 3);
             out[first + k].position = Point(centre.x[k], centre.y[k], centre.z[k]);
             out[first + k].normal = Vector(unit.x[k], unit.y[k], unit.z[k]);
         }

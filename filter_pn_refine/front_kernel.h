@@ -50,6 +50,18 @@ PN_INLINE Floats plane_gaps(const Front& f)
     return permute(f.angle, successors(f.count)) - f.angle + select(1u << (f.count - 1), all(6.28318531f), Floats{});
 }
 
+/// Squared diameters of the circles through the centre and two members that follow each other.
+PN_INLINE Floats squared_diameters(const Front& f)
+{
+    const Ints next = successors(f.count);
+    const Floats bx = permute(f.x, next), by = permute(f.y, next), bz = permute(f.z, next);
+    const Floats ex = bx - f.x, ey = by - f.y, ez = bz - f.z;
+    const Floats cx = f.y * bz - f.z * by, cy = f.z * bx - f.x * bz, cz = f.x * by - f.y * bx;
+    const Floats a2 = f.x * f.x + f.y * f.y + f.z * f.z;
+    // The product of the sides over twice the area.
+    return a2 * permute(a2, next) * (ex * ex + ey * ey + ez * ez) / (cx * cx + cy * cy + cz * cz + 1e-20f);
+}
+
 /// The angles that the curves between them sweep (eq. 5), where that matters.
 PN_INLINE Floats measure_gaps(const Front& f, Floats plane, bool curved)
 {

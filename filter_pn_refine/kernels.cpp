@@ -35,6 +35,8 @@ namespace portable
 
 #include "front_kernel.h"
 
+#include "candidate_kernel.h"
+
 #include "refine_kernel.h"
 
 #include "finish_kernel.h"
@@ -60,6 +62,8 @@ namespace v3
 
 #include "front_kernel.h"
 
+#include "candidate_kernel.h"
+
 #include "refine_kernel.h"
 
 #include "finish_kernel.h"
@@ -82,6 +86,8 @@ namespace v4
 #include "gather_kernel.h"
 
 #include "front_kernel.h"
+
+#include "candidate_kernel.h"
 
 #include "refine_kernel.h"
 

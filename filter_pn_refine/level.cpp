@@ -16,7 +16,8 @@ void update_leaf(Leaf& leaf, const WorkPoint* points)
 {
     leaf.box = Box();
     leaf.largest_radius = 0;
-    leaf.is_refined = leaf.has_creases = false;
+    leaf.refined_count = 0;
+    leaf.has_creases = false;
     for (int i = leaf.begin; i < leaf.end; ++i)
     {
         const WorkPoint& p = points[i];
@@ -27,7 +28,7 @@ void update_leaf(Leaf& leaf, const WorkPoint* points)
         if (p.flags & WorkPoint::refined)
         {
             leaf.largest_radius = std::max(leaf.largest_radius, double(p.radius));
-            leaf.is_refined = true;
+            ++leaf.refined_count;
         }
     }
 }
@@ -258,7 +259,7 @@ LeafGraph connect_leaves(const Level& level, int threads, const Progress& progre
     std::vector<int> taken; // per colour the last leaf that saw it beside itself
     for (std::size_t i = 0; i < n; ++i)
     {
-        if (!level.leaves[i].is_refined)
+        if (!level.leaves[i].is_refined())
             continue;
         for (int j = graph.first[i]; j < graph.first[i + 1]; ++j)
             if (const int c = colour[std::size_t(graph.neighbour[std::size_t(j)])]; c >= 0)

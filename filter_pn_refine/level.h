@@ -17,7 +17,8 @@ struct WorkPoint
     Point position;
     Vector normal;
     float radius = 0;
-    int id = 0; ///< Place in the output.
+    float spacing = 0; ///< Usual distance between points around here before the first step.
+    int id = 0;        ///< Place in the output.
     enum Flag : std::uint32_t
     {
         refined = 1, ///< Its neighbourhood is completed in the next step.
@@ -33,10 +34,11 @@ struct Leaf
     int begin = 0, end = 0;
     Box box;
     double largest_radius = 0;
-    bool is_refined = false;  ///< Holds points to refine.
+    int refined_count = 0;    ///< Points to refine.
     bool has_creases = false; ///< Holds points that share their position with others.
 
     int size() const { return end - begin; }
+    bool is_refined() const { return refined_count > 0; }
 };
 
 constexpr int leaf_capacity = 64;

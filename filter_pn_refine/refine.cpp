@@ -6,6 +6,7 @@
 #include "normal_repair.h"
 #include "refine_leaf.h"
 #include "segments.h"
+#include "spacing.h"
 #include "usable_samples.h"
 
 #include <recon/errors.h>
@@ -141,9 +142,10 @@ public:
             fans = find_initial_fans(usable.samples, *search, usable.nearest, usable.is_crease,
                                      options_.crease_angle * radians, 1.5, threads_, {});
         }
+        const std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
         usable.nearest = {};
         find_segments(usable, fans);
-        start(usable, choose_radii(usable, fans, options_, hints_, frame_.scale()));
+        start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
 
         // Steps take time by how many points they make.
@@ -226,7 +228,7 @@ private:
         }
     }
 
-    void start(const UsableSamples& usable, const std::vector<double>& radii)
+    void start(const UsableSamples& usable, const std::vector<float>& spacing, const std::vector<double>& radii)
     {
         const double target = options_.target_radius / frame_.scale();
         std::vector<WorkPoint> points(usable.input.size());
@@ -236,6 +238,7 @@ private:
             p.position = usable.samples.points[i];
             p.normal = usable.samples.normals[i];
             p.radius = float(radii[i]);
+            p.spacing = spacing[i];
             p.id = usable.input[i];
             const bool is_frozen =
                 usable.input[i] < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(usable.input[i])];
@@ -271,6 +274,8 @@ private:
         const RefineStep step{level_,
                               graph,
                               choose_precision(options_),
+                              spacing_ratio_,
+                              shrinking_,
                               float(std::cos(options_.crease_angle * radians)),
                               float(options_.boundary_angle * radians),
                               children,
@@ -291,6 +296,10 @@ private:
         for (std::size_t i = 0; i < children.size(); ++i)
             first[i + 1] = first[i] + children[i].count();
         const int made = first.back();
+        const int refined = std::accumulate(level_.leaves.begin(), level_.leaves.end(), 0,
+                                            [](int n, const Leaf& leaf) { return n + leaf.refined_count; });
+        shrinking_ = float(std::sqrt(refined / double(refined + made)));
+        spacing_ratio_ *= shrinking_;
         const int before = input_count_ + int(result_.points.size());
         if (double(before) + made > options_.max_points)
         {
@@ -353,6 +362,8 @@ private:
     const PnRefineHints& hints_;
     Level level_;
     std::vector<Segment> segments_;
+    float spacing_ratio_ = 1; ///< By which points have come nearer to each other since the start.
+    float shrinking_ = 0.7f;  ///< In the last step; the first usually doubles the points.
     PnRefinement result_;
 };
 

@@ -6,96 +6,10 @@ struct PointRefiner
     Workspace& w;
     LeafChildren& children;
     int leaf;
+    float spacing = 0;                       ///< Usual distance between points around the refined one [radii].
     float least_distance = 0;                ///< To any point [radii].
+    bool sees_all = true;                    ///< Ring and arrivals hold all points within the radius.
     static constexpr float hair = 1 + 1e-5f; ///< Comparisons are closed.
-
-    /// Centres of the triangles of the fan; none across a gap of half a turn or more, none from slivers, none out of
-    /// reach. \returns the fan's widest gap.
-    PN_INLINE float list_candidates(const Centre& c, const Ring& ring, const Fan& fan, Candidates& out) const
-    {
-        const int n = fan.count;
-        out.usable = 0;
-        if (n < 2)
-            return 6.28318531f;
-        const Ints entry = load<Ints>(fan.entry), next = successors(n);
-        const bool is_single = ring.count <= lane_count;
-        const auto pick = [&](const float* values) {
-            return is_single ? permute(load<Floats>(values), entry)
-                             : gather(values, select(first_lanes(n), entry, Ints{}));
-        };
-        const Floats angle = load<Floats>(fan.angle);
-        const Floats turn = permute(angle, next) - angle + select(1u << (n - 1), all(6.28318531f), Floats{});
-        const Floats ax = pick(ring.x), ay = pick(ring.y), az = pick(ring.z), length = pick(ring.length);
-        const Floats anx = pick(ring.nx), any = pick(ring.ny), anz = pick(ring.nz);
-        const Floats atx = pick(ring.tx), aty = pick(ring.ty), atz = pick(ring.tz);
-        const Floats bx = permute(ax, next), by = permute(ay, next), bz = permute(az, next);
-        const Floats bnx = permute(anx, next), bny = permute(any, next), bnz = permute(anz, next);
-        const Floats ex = bx - ax, ey = by - ay, ez = bz - az;
-        const Floats cx = ay * bz - az * by, cy = az * bx - ax * bz, cz = ax * by - ay * bx;
-        const Floats a2 = length * length, longest = larger(ex * ex + ey * ey + ez * ez, larger(a2, permute(a2, next)));
-        // Height / longest edge = twice the area / longest edge squared.
-        constexpr float least = LocalRules::least_height * LocalRules::least_height;
-        Mask usable = first_lanes(n) & below(turn, all(3.14159265f - 1e-4f)) &
-                      at_most(least * longest * longest, cx * cx + cy * cy + cz * cz) &
-                      at_most(Floats{}, anx * bnx + any * bny + anz * bnz);
-        Floats x = atx + permute(atx, next), y = aty + permute(aty, next), z = atz + permute(atz, next);
-        add_tangent(ex, ey, ez, anx, any, anz, x, y, z);
-        add_tangent(-ex, -ey, -ez, bnx, bny, bnz, x, y, z);
-        x = (ax + bx) * (1.f / 3) + x * (1.f / 6);
-        y = (ay + by) * (1.f / 3) + y * (1.f / 6);
-        z = (az + bz) * (1.f / 3) + z * (1.f / 6);
-        usable &= at_most(x * x + y * y + z * z, all(1.f));
-        const Floats mx = anx + bnx + c.n[0], my = any + bny + c.n[1], mz = anz + bnz + c.n[2],
-                     scale = inverse_root(mx * mx + my * my + mz * mz + 1e-30f);
-        store(out.x, x);
-        store(out.y, y);
-        store(out.z, z);
-        store(out.nx, mx * scale);
-        store(out.ny, my * scale);
-        store(out.nz, mz * scale);
-        store(out.angle, angle_of(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]));
-        out.usable = usable;
-        return largest(select(first_lanes(n), turn, Floats{}));
-    }
-
-    /// Takes the new points around the centre into its frame.
-    PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, std::int32_t* hits, int found, Arrivals& a)
-    {
-        a.count = std::min(found, largest_ring);
-        const Floats inverse = all(c.inverse_radius);
-        const Floats cnx = all(c.n[0]), cny = all(c.n[1]), cnz = all(c.n[2]);
-        for (int k = 0; k < a.count; k += lane_count)
-        {
-            const Mask valid = first_lanes(a.count - k);
-            const Ints source = select(valid, load<Ints>(hits + k), Ints{});
-            const Floats away = all(far_away);
-            const Floats x = select(valid, (gather(points.x, source) - c.x) * inverse, away),
-                         y = select(valid, (gather(points.y, source) - c.y) * inverse, away),
-                         z = select(valid, (gather(points.z, source) - c.z) * inverse, away);
-            const Floats nx = gather(points.nx, source), ny = gather(points.ny, source), nz = gather(points.nz, source);
-            const Floats radius = gather(points.radius, source) * inverse;
-            const Floats d2 = x * x + y * y + z * z, agreement = cnx * nx + cny * ny + cnz * nz;
-            const Floats slope = (cnx + nx) * x + (cny + ny) * y + (cnz + nz) * z, limit = 1 + agreement;
-            const Mask admitted =
-                at_most(slope * slope, limit * limit * d2) & at_most(all(least_agreement), agreement) & valid;
-            const Floats least = all(least_distance);
-            store(a.source + k, source);
-            store(a.x + k, x);
-            store(a.y + k, y);
-            store(a.z + k, z);
-            store(a.nx + k, nx);
-            store(a.ny + k, ny);
-            store(a.nz + k, nz);
-            store(a.length + k, d2 * inverse_root(d2 + 1e-30f));
-            store(a.angle + k,
-                  angle_of(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]));
-            store(a.reach + k,
-                  larger(select(admitted, smaller(radius, all(LocalRules::discard_most)) * LocalRules::discard, least),
-                         least));
-            store(a.near_reach + k, larger(radius * LocalRules::discard_near, least));
-            a.free[k / lane_count] = admitted;
-        }
-    }
 
     /// N' begins with the old and new points nearer than lambda_1.
     PN_INLINE void start_front(const Centre& c, const Ring& ring, Arrivals& a, Front& f)
@@ -189,69 +103,34 @@ struct PointRefiner
         join({a.angle[k], a.x[k], a.y[k], a.z[k], a.nx[k], a.ny[k], a.nz[k], a.source[k] | new_member}, curved, f);
     }
 
-    /// Whether a new point may not lie at (x, y, z): too near an old or a new point, or inside the discard space.
-    PN_INLINE bool is_discarded(float x, float y, float z) const
+    /// Whether a new point may not lie at (x, y, z): nearer than `least` to an old or a new point, or inside the
+    /// discard space.
+    PN_INLINE bool is_discarded(const Centre& c, float x, float y, float z, float least) const
     {
-        const float least2 = least_distance * least_distance;
+        const float least2 = least * least;
         Mask bad = x * x + y * y + z * z < least2;
         const auto squared = [&](const float* px, const float* py, const float* pz)
         {
             const Floats dx = load<Floats>(px) - x, dy = load<Floats>(py) - y, dz = load<Floats>(pz) - z;
             return dx * dx + dy * dy + dz * dz;
         };
-        const Ring& r = w.ring;
+        const Ring& ring = w.ring;
         const Arrivals& a = w.arrivals;
-        for (int k = 0; k < r.count; k += lane_count)
-            bad |= below(squared(r.x + k, r.y + k, r.z + k), all(least2));
+        for (int k = 0; k < ring.count; k += lane_count)
+            bad |= below(squared(ring.x + k, ring.y + k, ring.z + k), all(least2));
         for (int k = 0; k < a.count; k += lane_count)
         {
-            const Floats reach = load<Floats>(a.reach + k);
+            const Floats reach = larger(load<Floats>(a.reach + k), all(least));
             bad |= below(squared(a.x + k, a.y + k, a.z + k), reach * reach) & first_lanes(a.count - k);
         }
-        return bad != 0;
-    }
-
-    /// The new point in the gap nearest to (x, y, z), -1 if there is none.
-    PN_INLINE int nearest_arrival(Floats start, Floats width, float x, float y, float z) const
-    {
-        const Arrivals& a = w.arrivals;
-        int best = -1;
-        float nearest = 1e30f;
-        for (int k = 0; k < a.count; k += lane_count)
-        {
-            const Mask there = a.free[k / lane_count] &
-                               at_most(all(LocalRules::least_turn), halving(load<Floats>(a.angle + k), start, width));
-            if (there == 0)
-                continue;
-            const Floats dx = load<Floats>(a.x + k) - x, dy = load<Floats>(a.y + k) - y, dz = load<Floats>(a.z + k) - z;
-            const Floats d2 = dx * dx + dy * dy + dz * dz;
-            const int lane = largest_lane(there, 4 - d2);
-            if (d2[lane] < nearest)
-            {
-                nearest = d2[lane];
-                best = k + lane;
-            }
-        }
-        return best;
-    }
-
-    /// The new point that halves the gap best, -1 if none does.
-    PN_INLINE int halving_arrival(Floats start, Floats width) const
-    {
-        const Arrivals& a = w.arrivals;
-        int best = -1;
-        float best_score = LocalRules::least_turn;
-        for (int k = 0; k < a.count; k += lane_count)
-        {
-            const Floats scores = halving(load<Floats>(a.angle + k), start, width);
-            if (const Mask there = a.free[k / lane_count] & below(all(best_score), scores); there != 0)
-            {
-                const int lane = largest_lane(there, scores);
-                best = k + lane;
-                best_score = scores[lane];
-            }
-        }
-        return best;
+        if (bad != 0 || sees_all)
+            return bad != 0;
+        const float r = 1 / c.inverse_radius;
+        x = x * r + c.x;
+        y = y * r + c.y;
+        z = z * r + c.z;
+        return has_point_near(w.old_points, x, y, z, least_distance * r) ||
+               has_point_near(w.new_points, x, y, z, least_distance * r);
     }
 
     /// Fills the gaps of N' wider than theta_c. \returns true if one stays open.
@@ -266,7 +145,10 @@ struct PointRefiner
             const Mask wide =
                 below(all(LocalRules::complete_angle), gaps) & first_lanes(std::max(f.count, 1)) & ~f.dead;
             if (wide == 0)
+            {
+                fill_large_gaps(c, own, curved, f);
                 return is_open;
+            }
             const int widest = largest_lane(wide, gaps);
             const Floats start = f.count > 0 ? permute(f.angle, all(widest)) : Floats{},
                          width = permute(plane, all(widest));
@@ -277,7 +159,7 @@ struct PointRefiner
                 const int best = largest_lane(fitting, score);
                 candidates.usable &= ~(1u << best);
                 const float x = candidates.x[best], y = candidates.y[best], z = candidates.z[best];
-                if (!is_discarded(x, y, z))
+                if (!is_discarded(c, x, y, z, least_distance))
                 {
                     if (w.arrivals.count >= ring_capacity)
                         continue;
@@ -286,13 +168,13 @@ struct PointRefiner
                 else
                 {
                     // The nearest of the new points in this gap takes its place.
-                    const int nearest = nearest_arrival(start, width, x, y, z);
+                    const int nearest = nearest_arrival(w.arrivals, start, width, x, y, z);
                     if (nearest < 0)
                         continue;
                     join_arrival(nearest, curved, f);
                 }
             }
-            else if (const int best = halving_arrival(start, width); best >= 0)
+            else if (const int best = halving_arrival(w.arrivals, start, width); best >= 0)
                 join_arrival(best, curved, f);
             else
             {
@@ -304,6 +186,37 @@ struct PointRefiner
             gaps = measure_gaps(f, plane, curved);
         }
         return is_open;
+    }
+
+    /// Inserts into gaps of N' that are narrow enough but large (LocalRules::large_gap).
+    PN_INLINE void fill_large_gaps(const Centre& c, int own, bool curved, Front& f)
+    {
+        const float most = 2 * LocalRules::large_gap * spacing * step.shrinking;
+        Candidates& candidates = w.candidates;
+        Mask hopeless = 0;
+        while (f.count > 2 && f.count < lane_count && w.arrivals.count < ring_capacity)
+        {
+            const Floats squared = squared_diameters(f), plane = plane_gaps(f);
+            const Mask large = below(all(most * most), squared) & below(all(2 * LocalRules::least_turn), plane) &
+                               first_lanes(f.count) & ~hopeless;
+            if (large == 0)
+                return;
+            const int widest = largest_lane(large, squared);
+            const Floats score =
+                halving(load<Floats>(candidates.angle), permute(f.angle, all(widest)), permute(plane, all(widest)));
+            const Mask fitting = candidates.usable & candidates.firm & below(all(LocalRules::least_turn), score);
+            if (fitting == 0)
+            {
+                hopeless |= 1u << widest;
+                continue;
+            }
+            const int best = largest_lane(fitting, score);
+            candidates.usable &= ~(1u << best);
+            if (is_discarded(c, candidates.x[best], candidates.y[best], candidates.z[best], LocalRules::free * spacing))
+                continue;
+            join(insert(c, own, best), curved, f);
+            hopeless = 0;
+        }
     }
 
     /// Makes a candidate a new point.
@@ -359,6 +272,17 @@ struct PointRefiner
         *raised = std::max(*raised, std::min(radius, points.largest_radius[source]));
     }
 
+    /// Square of the radius that shows what lies across the gaps of N'.
+    PN_INLINE float squared_sight(const Front& f) const
+    {
+        const float most = 2 * LocalRules::seen_gap * spacing, limit = LocalRules::seen_most * spacing;
+        const Floats squared = squared_diameters(f), plane = plane_gaps(f);
+        // The circles of very narrow gaps and of half turns say nothing.
+        const Mask large = below(all(most * most), squared) & below(all(2 * LocalRules::least_turn), plane) &
+                           below(plane, all(3.f)) & first_lanes(f.count) & ~f.dead;
+        return large == 0 ? 0 : std::min(largest(select(large, squared, Floats{})), limit * limit);
+    }
+
     PN_INLINE void write_radii(int own, const Centre& c, bool is_open, const Front& f)
     {
         const float least = std::max(is_open ? LocalRules::open_radius : 0, f.farthest);
@@ -379,6 +303,8 @@ struct PointRefiner
             store(members, f.member);
             for (int k = 0; k < n; ++k)
                 raise_radius(members[k], raised[k]);
+            if (n > 2)
+                radius2 = std::max(radius2, squared_sight(f));
         }
         float& own_next = w.next[std::size_t(own)];
         const float most = is_open ? LocalRules::open_radius : LocalRules::shrink;
@@ -396,11 +322,13 @@ struct PointRefiner
                  {},
                  1 / old_points.radius[own]};
         set_tangents(c);
-        least_distance =
-            std::max(LocalRules::least_distance, LocalRules::least_usual * w.usual_radius * c.inverse_radius);
+        const WorkPoint& point = step.level.points[std::size_t(old_points.index[own])];
+        spacing = point.spacing * step.spacing_ratio * float(w.scale) * c.inverse_radius;
+        least_distance = std::max(LocalRules::least_distance, LocalRules::least_spacings * spacing);
         Ring& ring = w.ring;
         std::int32_t* hits = w.hits.data();
-        int found = find_near(old_points, c, hits);
+        const int found_old = find_near(old_points, c, hits);
+        int found = found_old;
         if (found > largest_ring || w.has_creases)
             found = choose_hits(old_points, c, step.least_crease_agreement, w.has_creases, hits, found);
         fill_ring(old_points, c, hits, found, ring);
@@ -415,10 +343,13 @@ struct PointRefiner
         const bool in_plane = accurate && step.precision != Precision::fuzzy;
         find_tangents(c, in_plane, ring);
         sort_fan(ring, in_plane, w.fan);
-        const float fan_gap = list_candidates(c, ring, w.fan, w.candidates);
+        const float fan_gap = list_candidates(c, ring, w.fan, least_distance, w.candidates);
 
         found = find_near(w.new_points, c, hits);
-        fill_arrivals(w.new_points, c, hits, found, w.arrivals);
+        sees_all = ring.count == found_old && found <= largest_ring;
+        if (found > largest_ring)
+            found = choose_hits(w.new_points, c, 0, false, hits, found);
+        fill_arrivals(w.new_points, c, hits, found, spacing, least_distance, w.arrivals);
         if (w.has_creases)
             reject_other_side(w, c, step.least_crease_agreement, least_distance);
         Front front;
@@ -426,7 +357,7 @@ struct PointRefiner
         const bool is_open = fill_gaps(c, own, accurate, front);
         // A rim stays open: keeping the radius large there would only collect neighbours.
         const bool is_rim = fan_gap > step.boundary_angle;
-        const bool is_large = old_points.radius[own] > LocalRules::largest_open * w.usual_radius;
+        const bool is_large = LocalRules::largest_open * spacing < 1;
         write_radii(own, c, is_open && !is_rim && !is_large, front);
         return is_open;
     }

@@ -4,7 +4,6 @@
 #include "workspace.h"
 
 #include <algorithm>
-#include <array>
 
 namespace recon::pn
 {
@@ -42,11 +41,6 @@ void gather(const RefineStep& step, int self, Workspace& w)
     w.old_points.pad(w.old_points.count);
     w.new_points.reserve(w.new_points.count + 2 * leaf.size());
     w.new_points.pad(w.new_points.count);
-    std::array<float, leaf_capacity> radii;
-    const int own = leaf.size();
-    std::copy_n(w.old_points.radius, own, radii.begin());
-    std::nth_element(radii.begin(), radii.begin() + own / 2, radii.begin() + own);
-    w.usual_radius = radii[std::size_t(own / 2)];
     w.next.assign(std::size_t(w.old_points.count), 0.f);
     w.radius_before.assign(w.new_points.radius, w.new_points.radius + w.new_points.count);
 }

@@ -196,6 +196,7 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
                 p.position = a[0]->position + from_a;
                 p.normal = normal_on_curve(nearer.normal, farther.normal, tangent);
                 p.radius = float(0.5 * chord.norm());
+                p.spacing = nearer.spacing;
                 p.flags = WorkPoint::refined | (is_crease ? WorkPoint::crease : 0u);
                 const int place = third == 0 ? at_a[side] : at_b[side],
                           other_end = third == 0 ? at_b[side] : at_a[side];

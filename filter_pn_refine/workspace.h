@@ -25,6 +25,7 @@ struct Candidates
     alignas(64) float x[lane_count], y[lane_count], z[lane_count], angle[lane_count];
     alignas(64) float nx[lane_count], ny[lane_count], nz[lane_count];
     unsigned usable = 0; ///< Lanes that are candidates.
+    unsigned firm = 0;   ///< Lanes whose corners' normals agree.
 };
 
 struct Workspace
@@ -39,7 +40,6 @@ struct Workspace
     Candidates candidates;
     Point centre;
     double scale = 1;
-    float usual_radius = 0;   ///< Median of the leaf's points.
     bool has_creases = false; ///< Some local point lies on one.
 };
 
