@@ -77,7 +77,7 @@ def main():
     parser.add_argument("models", nargs="*")
     parser.add_argument("--sigmas", default="0,0.1,0.2,0.4,0.6")
     parser.add_argument("--work", type=Path)
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     work = arguments.work or Path(tempfile.mkdtemp())
     cells = {}
     print("| model | sigma | " + " | ".join(TITLES[m] for m in METHODS) + " |\n|---|---|" + "---|" * len(METHODS), flush=True)
