@@ -78,8 +78,12 @@ void write_rows(Level& level, const Leaf& leaf)
 
 void resize_rows(Level& level)
 {
-    for (std::vector<float>& row : level.rows)
-        row.resize(level.points.size() + lane_count);
+    const std::size_t n = level.points.size();
+    for (std::unique_ptr<float[]>& row : level.rows)
+    {
+        row.reset(new float[n + lane_count]);
+        std::fill_n(row.get() + n, lane_count, 0.f);
+    }
 }
 
 struct Node
@@ -198,6 +202,8 @@ Level grow_level(const Level& level, const Growth& growth, const UnitFrame& fram
         WorkPoint* const made = next.points.data() + middle;
         kernel.finish_children(level.points.data(), children.corners().data(), children.count(), made,
                                parents + growth.first[i]);
+        for (int k = 0; k < children.count(); ++k)
+            made[k].flags = WorkPoint::refined;
         for (const auto& [own, number] : children.made())
             made[own] = growth.made[std::size_t(number)];
         const float* radius = children.rows().radius;

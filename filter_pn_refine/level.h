@@ -14,18 +14,20 @@ namespace recon::pn
 /// A point while it is refined: one cache line.
 struct WorkPoint
 {
+    WorkPoint() {} ///< Sets nothing: the thread that fills a new level is the first to touch its pages.
+
     Point position;
     Vector normal;
-    float radius = 0;
-    float spacing = 0; ///< Usual distance between points around here before the first step.
-    int id = 0;        ///< Place in the output.
+    float radius;
+    float spacing; ///< Usual distance between points around here before the first step.
+    int id;        ///< Place in the output.
     enum Flag : std::uint32_t
     {
         refined = 1, ///< Its neighbourhood is completed in the next step.
         frozen = 2,  ///< Never refined.
         crease = 4   ///< Shares its position with others of other normals.
     };
-    std::uint32_t flags = refined;
+    std::uint32_t flags;
 };
 
 /// Up to leaf_capacity points next to each other in space and in memory: what one task refines.
@@ -58,11 +60,11 @@ struct Level
 {
     std::vector<WorkPoint> points;
     std::vector<Leaf> leaves;
-    std::array<std::vector<float>, 7> rows; ///< Of the points, as in RowsView.
+    std::array<std::unique_ptr<float[]>, 7> rows; ///< Of the points, as in RowsView.
 
     RowsView rows_of(const Leaf& leaf) const
     {
-        const auto at = [&](std::size_t r) { return rows[r].data() + leaf.begin; };
+        const auto at = [&](std::size_t r) { return rows[r].get() + leaf.begin; };
         return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), nullptr, leaf.size()};
     }
 };

@@ -330,13 +330,18 @@ private:
         s.open_gaps = open_gaps;
         std::vector<float> radii;
         radii.reserve(level_.points.size());
+        float smallest = level_.points[0].radius, largest = smallest;
         for (const WorkPoint& p : level_.points)
+        {
             radii.push_back(p.radius);
+            smallest = std::min(smallest, p.radius);
+            largest = std::max(largest, p.radius);
+        }
         const auto middle = radii.begin() + std::ptrdiff_t(radii.size() / 2);
         std::nth_element(radii.begin(), middle, radii.end());
         s.median_radius = *middle * frame_.scale();
-        s.smallest_radius = *std::min_element(radii.begin(), radii.end()) * frame_.scale();
-        s.largest_radius = *std::max_element(radii.begin(), radii.end()) * frame_.scale();
+        s.smallest_radius = smallest * frame_.scale();
+        s.largest_radius = largest * frame_.scale();
         result_.steps.push_back(s);
     }
 

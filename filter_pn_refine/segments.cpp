@@ -193,6 +193,7 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
             {
                 const WorkPoint &nearer = third == 0 ? *a[side] : *b[side], &farther = third == 0 ? *b[side] : *a[side];
                 WorkPoint p;
+                p.id = 0; // given when the level grows
                 p.position = a[0]->position + from_a;
                 p.normal = normal_on_curve(nearer.normal, farther.normal, tangent);
                 p.radius = float(0.5 * chord.norm());
