@@ -23,7 +23,7 @@ struct Cells
     int size() const { return int(means.size()); }
 };
 
-/// Averages points over voxels of edge 0.45 widths, rounded to half octaves so that neighbouring places share a grid
+/// Averages points over voxels of edge 0.6 widths, rounded to half octaves so that neighbouring places share a grid
 /// (recipe step 3). Cells come in the order of their first point.
 Cells average_cells(const Points& points, const LocalScales& scales, int threads, const Progress& progress = {});
 
