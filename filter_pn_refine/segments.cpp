@@ -1,5 +1,7 @@
 #include "segments.h"
 
+#include <recon/neighbours.h>
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -73,12 +75,73 @@ std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const I
     return segments;
 }
 
+/// Links of splats per pair of positions (the lower first), both ways into one key.
+using SplatLinks = std::map<std::pair<int, int>, std::vector<std::array<int, 2>>>;
+
+void add_link(const UsableSamples& usable, int i, int j, SplatLinks& links)
+{
+    const int a = usable.sharing[std::size_t(i)], b = usable.sharing[std::size_t(j)];
+    if (a < b)
+        links[{a, b}].push_back({i, j});
+    else if (b < a)
+        links[{b, a}].push_back({j, i});
+}
+
+/// Links between near positions along their creases. Fans alone miss many: samples of the faces that lie nearer than
+/// the next crease sample, as beside detected ones, hide it.
+void add_links_along(const UsableSamples& usable, const InitialFans& fans, double same, SplatLinks& links)
+{
+    const Points& points = usable.samples.points;
+    const Vectors& normals = usable.samples.normals;
+    std::vector<std::vector<int>> splats(points.size());
+    std::vector<int> places;
+    Points positions;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (usable.is_crease[i])
+            splats[std::size_t(usable.sharing[i])].push_back(int(i));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (splats[i].size() == 2) // at corners no tangent is sure
+        {
+            places.push_back(int(i));
+            positions.push_back(points[i]);
+        }
+    if (places.size() < 2)
+        return;
+    const NeighbourSearch search(positions);
+    const auto follows = [&](int place, const Vector& unit)
+    {
+        const std::vector<int>& pair = splats[std::size_t(place)];
+        const Vector tangent = normals[std::size_t(pair[0])].cross(normals[std::size_t(pair[1])]);
+        return std::abs(tangent.dot(unit)) > 0.8 * tangent.norm();
+    };
+    for (int a : places)
+    {
+        constexpr int k = 9;
+        int nearest[k];
+        double squared[k];
+        const int found = search.nearest(points[std::size_t(a)], std::min(k, int(places.size())), nearest, squared);
+        for (int m = 0; m < found; ++m)
+        {
+            const int b = places[std::size_t(nearest[m])];
+            const double length = std::sqrt(squared[m]);
+            if (length == 0 || a > b || length > std::max(fans.radius[std::size_t(a)], fans.radius[std::size_t(b)]))
+                continue;
+            const Vector unit = (points[std::size_t(b)] - points[std::size_t(a)]) / length;
+            if (!follows(a, unit) || !follows(b, unit))
+                continue;
+            for (int i : splats[std::size_t(a)])
+                for (int j : splats[std::size_t(b)])
+                    if (normals[std::size_t(i)].dot(normals[std::size_t(j)]) >= same)
+                        add_link(usable, i, j, links);
+        }
+    }
+}
+
 std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans, double crease_angle)
 {
     const int n = int(usable.input.size());
     const double same = std::cos(crease_angle);
-    // Links of splats, both ways into one key.
-    std::map<std::pair<int, int>, std::vector<std::array<int, 2>>> links;
+    SplatLinks links;
     for (int i = 0; i < n; ++i)
     {
         if (!usable.is_crease[std::size_t(i)])
@@ -89,13 +152,10 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
             if (!usable.is_crease[std::size_t(j)] ||
                 usable.samples.normals[std::size_t(i)].dot(usable.samples.normals[std::size_t(j)]) < same)
                 continue;
-            const int a = usable.sharing[std::size_t(i)], b = usable.sharing[std::size_t(j)];
-            if (a < b)
-                links[{a, b}].push_back({i, j});
-            else if (b < a)
-                links[{b, a}].push_back({j, i});
+            add_link(usable, i, j, links);
         }
     }
+    add_links_along(usable, fans, same, links);
     std::vector<CreaseLink> found;
     for (auto& [key, pairs] : links)
     {
