@@ -101,6 +101,6 @@ def run_server(programs, display, arguments, folder, timeout=600):
 def values_in_log(text):
     """The result values that a filter logged: 'components: 1'."""
     values = {}
-    for name, value in re.findall(r"^(?:LOG: \d+ )?([a-z_]+): ([-+0-9.e]+|yes|no|nan|inf)$", text, re.M):
+    for name, value in re.findall(r"^(?:LOG: \d+ )?([a-z_0-9]+): ([-+0-9.e]+|yes|no|nan|inf)$", text, re.M):
         values[name] = {"yes": True, "no": False}.get(value) if value in ("yes", "no") else float(value)
     return values
