@@ -107,7 +107,6 @@ private:
 
     std::vector<Site> sites_;    ///< Along the curve.
     std::vector<int> indices_;   ///< Of the sites, in the points.
-    std::vector<char> is_first_; ///< Of the sites, whether the first cell has it.
     std::unique_ptr<Cell[]> cells_;
     std::vector<int> marks_; ///< Per cell: 1 + its position among the conflicts, -1 if tested and not one, else 0.
     std::unique_ptr<std::atomic<std::uint8_t>[]> owners_; ///< Per cell.

@@ -75,7 +75,7 @@ public:
             {
                 const int beside = cell.neighbours[i];
                 if (cell.vertices[i] == v)
-                    hull_.push_back({facet_opposite(cell.vertices, i), beside, star_[k]});
+                    hull_.push_back({facet_opposite(cell.vertices, i), beside});
                 else
                 {
                     link_.push_back(cell.vertices[i]);
@@ -129,7 +129,7 @@ private:
     struct Facet
     {
         SidedFacet facet; ///< As the cell at the removed vertex sees it.
-        int outside, inside;
+        int outside;
     };
 
     const Facet* find_on_hull(const SidedFacet& facet) const
