@@ -1,6 +1,7 @@
 #include "delaunay_ball_normals.h"
 
 #include <recon/delaunay.h>
+#include <recon/disjoint_sets.h>
 #include <recon/errors.h>
 #include <recon/neighbours.h>
 #include <recon/noise.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace recon
 {
@@ -22,13 +22,6 @@ constexpr double automatic_sigmas = 4; // balls inside the noise are smaller
 constexpr double box_half_width = 2.5; // diagonals
 constexpr double deep_cosine = 0.7071; // intersection angle above 3/4 pi
 constexpr double widest_pole = 1;      // diagonals
-
-int find_root(std::vector<int>& parent, int i)
-{
-    while (parent[i] != i)
-        i = parent[i] = parent[parent[i]];
-    return i;
-}
 
 void check(const DelaunayBallOptions& options)
 {
@@ -116,21 +109,20 @@ DelaunayBallNormals find_delaunay_ball_normals(const Points& input, const Delaun
         }
     }
 
-    std::vector<int> parent(t.finite_cells + 1);
-    std::iota(parent.begin(), parent.end(), 0);
     const int outside = t.finite_cells;
+    DisjointSets parts(std::size_t(outside) + 1);
     for (int c = 0; c < t.finite_cells; ++c)
         for (int o : t.cells[c].neighbours)
         {
             if (!t.is_finite(o))
-                parent[find_root(parent, c)] = find_root(parent, outside);
+                parts.join(c, outside);
             else if (o > c && big[c] && big[o])
             {
                 const double cosine =
                     (radius[c] * radius[c] + radius[o] * radius[o] - (t.centres[c] - t.centres[o]).squaredNorm()) /
                     (2 * radius[c] * radius[o]);
                 if (cosine > deep_cosine)
-                    parent[find_root(parent, c)] = find_root(parent, o);
+                    parts.join(c, o);
             }
         }
 
@@ -143,7 +135,7 @@ DelaunayBallNormals find_delaunay_ball_normals(const Points& input, const Delaun
         const int c = biggest[v];
         if (c < 0)
             continue;
-        const double side = find_root(parent, c) == find_root(parent, outside) ? 1 : -1;
+        const double side = parts.find(c) == parts.find(outside) ? 1 : -1;
         const Vector direction = (t.centres[c] - points[v]) / std::max(radius[c], 1e-300);
         normals[v] = side * direction.normalized();
         own.push_back(points[v]);
