@@ -144,6 +144,18 @@ Points with_noise(const Points& points, double sigma, std::uint64_t seed)
     return result;
 }
 
+Points thin_plate(int side, double thickness, std::uint64_t seed)
+{
+    Random random(seed);
+    const auto jitter = [&] { return 0.3 * (double(random() >> 11) * 0x1p-53 - 0.5); };
+    Points points;
+    for (int i = 0; i <= side; ++i)
+        for (int j = 0; j <= side; ++j)
+            for (const double z : {0.0, thickness})
+                points.emplace_back(i + jitter(), j + jitter(), z);
+    return points;
+}
+
 Points with_noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)
 {
     Random random(seed);

@@ -12,16 +12,10 @@ using namespace recon;
 namespace
 {
 
-/// Square plate with one sample a unit of area, jittered, on each face and around its rim; `thickness` in spacings.
+/// `thickness` in spacings.
 Points sample_plate(double thickness, int side)
 {
-    shapes::Random random(5);
-    const auto jitter = [&] { return 0.3 * (double(random() >> 11) * 0x1p-53 - 0.5); };
-    Points points;
-    for (int i = 0; i <= side; ++i)
-        for (int j = 0; j <= side; ++j)
-            for (const double z : {0.0, thickness})
-                points.emplace_back(i + jitter(), j + jitter(), z);
+    const Points points = shapes::thin_plate(side, thickness, 5);
     Points ordered;
     for (const int i : order_spatially(points).order)
         ordered.push_back(points[i]);

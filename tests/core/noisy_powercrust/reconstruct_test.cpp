@@ -117,13 +117,7 @@ TEST(NoisyPowerCrust, WallsThinnerThanTwoSpacingsAreNoNoise)
 {
     constexpr int side = 24;
     constexpr double thickness = 1.5;
-    shapes::Random random(5);
-    const auto jitter = [&] { return 0.3 * (double(random() >> 11) * 0x1p-53 - 0.5); };
-    Points points;
-    for (int i = 0; i <= side; ++i)
-        for (int j = 0; j <= side; ++j)
-            for (const double z : {0.0, thickness})
-                points.emplace_back(i + jitter(), j + jitter(), z);
+    const Points points = shapes::thin_plate(side, thickness, 5);
     const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
     EXPECT_FALSE(crust.denoised);
     const checks::MeshReport report = checks::examine_mesh(crust.mesh);
