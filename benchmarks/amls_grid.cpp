@@ -13,21 +13,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <sstream>
 
 using namespace recon;
 
 namespace
 {
-
-std::vector<std::string> split(const std::string& list)
-{
-    std::vector<std::string> words;
-    std::stringstream in(list);
-    for (std::string word; std::getline(in, word, ',');)
-        words.push_back(word);
-    return words;
-}
 
 /// Means of the triangles' normals, weighted by angle.
 Vectors vertex_normals(const TriangleMesh& mesh)
@@ -75,11 +65,11 @@ int main(int argc, char** argv)
         {
             const std::string value = argv[++i];
             if (option == "--seeds")
-                seeds = split(value);
+                seeds = benchmarks::split_at_commas(value);
             else if (option == "--models")
-                names = split(value);
+                names = benchmarks::split_at_commas(value);
             else if (option == "--sigmas")
-                sigmas = split(value);
+                sigmas = benchmarks::split_at_commas(value);
             else if (option == "--threads")
                 threads = std::stoi(value);
             else if (option == "--noise")

@@ -28,7 +28,6 @@
 #include <exception>
 #include <map>
 #include <set>
-#include <sstream>
 
 using namespace benchmarks;
 using recon::Point;
@@ -383,12 +382,7 @@ int main(int argc, char** argv)
     {
         const std::string word = argv[i];
         if (word == "--sigmas" && i + 1 < argc)
-        {
-            sigmas.clear();
-            std::istringstream list(argv[++i]);
-            for (std::string item; std::getline(list, item, ',');)
-                sigmas.push_back(item);
-        }
+            sigmas = split_at_commas(argv[++i]);
         else
             models.push_back(word);
     }

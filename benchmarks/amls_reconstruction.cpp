@@ -12,7 +12,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <sstream>
 
 using namespace benchmarks;
 
@@ -57,12 +56,7 @@ int main(int argc, char** argv)
         if (word == "--no-raw")
             with_raw = false;
         else if (word == "--sigmas" && i + 1 < argc)
-        {
-            sigmas.clear();
-            std::istringstream list(argv[++i]);
-            for (std::string item; std::getline(list, item, ',');)
-                sigmas.push_back(item);
-        }
+            sigmas = split_at_commas(argv[++i]);
         else
             models.push_back(word);
     }

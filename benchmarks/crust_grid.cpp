@@ -14,7 +14,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
-#include <sstream>
 
 using namespace benchmarks;
 
@@ -40,8 +39,7 @@ int main(int argc, char** argv)
         else if (word == "-s")
         {
             sigmas.clear();
-            std::istringstream list(argv[++i]);
-            for (std::string item; std::getline(list, item, ',');)
+            for (const std::string& item : split_at_commas(argv[++i]))
                 sigmas.push_back(std::atof(item.c_str()));
         }
         else if (word == "-o")

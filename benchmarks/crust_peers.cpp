@@ -19,7 +19,6 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <sstream>
 #include <string>
 
 using namespace benchmarks;
@@ -71,8 +70,7 @@ try
     const std::string step = argc > 3 ? argv[1] : "";
     if (step == "clouds" && argc > 6)
     {
-        std::istringstream sigmas(argv[5]);
-        for (std::string sigma; std::getline(sigmas, sigma, ',');)
+        for (const std::string& sigma : split_at_commas(argv[5]))
             for (int i = 6; i < argc; ++i)
             {
                 const Model model = load_model(argv[2] + std::string("/") + argv[i] + ".ply");

@@ -252,6 +252,15 @@ recon::Points with_outliers(recon::Points points, double share, unsigned seed)
     return points;
 }
 
+std::vector<std::string> split_at_commas(const std::string& list)
+{
+    std::vector<std::string> words;
+    std::istringstream in(list);
+    for (std::string word; std::getline(in, word, ',');)
+        words.push_back(word);
+    return words;
+}
+
 double cpu_seconds()
 {
     timespec now;

@@ -30,6 +30,9 @@ recon::Points with_outliers(recon::Points points, double share, unsigned seed);
 /// Models of the grids, as file names without ".ply".
 extern const std::vector<std::string> grid_a, grid_b, grid_c;
 
+/// The words of an argument like "0.1,0.2".
+std::vector<std::string> split_at_commas(const std::string& list);
+
 /// Seconds of CPU of all threads of this process so far: what is compared when a machine is shared.
 double cpu_seconds();
 
