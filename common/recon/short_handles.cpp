@@ -393,8 +393,7 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
     const CellsAtVertices at = list_cells_at_vertices(regular, int(labels.size()));
     std::vector<char> is_doubtful(labels.size());
     for (std::size_t i = 0; i < labels.size(); ++i)
-        is_doubtful[i] = margins[i] < options.highest_margin && balls[i].radius < options.largest_radius * scale[i] &&
-                         !graph.is_root[i];
+        is_doubtful[i] = margins[i] < options.highest_margin && !graph.is_root[i];
     RingLength rings(regular, at, balls);
     Evidence evidence(graph, is_doubtful);
     int total = 0;

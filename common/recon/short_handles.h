@@ -13,7 +13,6 @@ namespace recon
 struct ShortHandleOptions
 {
     double highest_margin = 0.9; ///< Balls at or above this margin are never turned [-1..1].
-    double largest_radius = 4;   ///< Nor are larger balls [local scales].
     /// A handle goes if the evidence for the balls that close it times its ring is below this [samples x local scales].
     double largest_support = 125;
     double longest_ring = 40; ///< Whatever its support, no longer one goes [local scales].
