@@ -21,6 +21,7 @@ struct FanOfSample
     std::vector<int> members;
     double farthest = 0, widest_gap = full_turn;
     int gap_from = -1;
+    bool may_grow = true; ///< Points beyond those looked at may be members.
 };
 
 struct CreaseRule
@@ -29,13 +30,21 @@ struct CreaseRule
     double least_agreement;
 };
 
-/// The fan over the nearest. \param reach the distance to the farthest of them.
+/// Squared diameter of the circle through the centre and two entries of a ring, in the tangent plane.
+double squared_diameter(const Ring& ring, int a, int b)
+{
+    const double ua = ring.u[a], va = ring.v[a], ub = ring.u[b], vb = ring.v[b];
+    const double du = ub - ua, dv = vb - va, turn = ua * vb - va * ub;
+    return (ua * ua + va * va) * (ub * ub + vb * vb) * (du * du + dv * dv) / (turn * turn + 1e-30);
+}
+
+/// The fan over the nearest.
 FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, int found, const CreaseRule& rule,
-                     double& reach, LocalPoints& local, Ring& ring)
+                     LocalPoints& local, Ring& ring)
 {
     std::int32_t hits[most_nearest + 2 * lane_count];
     const Point& p = samples.points[std::size_t(i)];
-    reach = (samples.points[std::size_t(nearest[found - 1])] - p).norm();
+    const double reach = (samples.points[std::size_t(nearest[found - 1])] - p).norm();
     FanOfSample fan;
     if (!(reach > 0))
         return fan;
@@ -64,6 +73,9 @@ FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, 
     kernels().make_fan(local, c, hits, count, true, ring, order);
     const int size = order.count;
     fan.widest_gap = 0;
+    // Between two members nothing outside the circle through them and the centre joins: on it their sines in eq. 8
+    // cancel.
+    fan.may_grow = size < 3;
     for (int m = 0; m < size; ++m)
     {
         const int a = order.entry[m];
@@ -76,6 +88,7 @@ FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, 
             fan.widest_gap = gap;
             fan.gap_from = m;
         }
+        fan.may_grow |= gap > 3.1 || squared_diameter(ring, a, order.entry[m + 1 < size ? m + 1 : 0]) > 1;
     }
     if (size == 0)
         fan.widest_gap = full_turn;
@@ -97,15 +110,13 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSea
         {
             thread_local LocalPoints local;
             thread_local Ring ring;
-            double reach = 0;
-            // A fan that is closed well within the points looked at cannot gain a member from those beyond.
-            fans[i] = find_fan(samples, int(i), nearest.of(i), nearest.count, rule, reach, local, ring);
-            if (n > nearest.count && (fans[i].widest_gap > 1.92 || reach < 1.5 * fans[i].farthest))
+            fans[i] = find_fan(samples, int(i), nearest.of(i), nearest.count, rule, local, ring);
+            if (n > nearest.count && fans[i].may_grow)
             {
                 int more[most_nearest];
                 double squared[most_nearest];
                 const int found = search.nearest(samples.points[i], std::min(n, most_nearest), more, squared);
-                fans[i] = find_fan(samples, int(i), more, found, rule, reach, local, ring);
+                fans[i] = find_fan(samples, int(i), more, found, rule, local, ring);
             }
         },
         64);

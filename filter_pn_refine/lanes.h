@@ -101,6 +101,11 @@ PN_INLINE Floats inverse_root(Floats v)
     const Floats y = (Floats)_mm512_rsqrt14_ps((__m512)v);
     return y * (1.5f - 0.5f * v * y * y);
 }
+/// The same to 14 bits.
+PN_INLINE Floats rough_inverse_root(Floats v)
+{
+    return (Floats)_mm512_rsqrt14_ps((__m512)v);
+}
 /// The lanes in the mask moved to the front.
 PN_INLINE Floats compress(Mask m, Floats v)
 {
@@ -246,6 +251,10 @@ PN_INLINE Floats root(Floats v)
     return load<Floats>(x);
 }
 PN_INLINE Floats inverse_root(Floats v)
+{
+    return 1 / root(v);
+}
+PN_INLINE Floats rough_inverse_root(Floats v)
 {
     return 1 / root(v);
 }

@@ -86,6 +86,28 @@ void resize_rows(Level& level)
     }
 }
 
+/// Makes the children of a leaf in double and appends them.
+void make_children(const Level& level, const Growth& growth, const UnitFrame& frame, const Appended& appended,
+                   std::size_t leaf, WorkPoint* made)
+{
+    const LeafChildren& children = growth.children[leaf];
+    const int first = growth.first[leaf], n = children.count();
+    kernels().finish_children(level.points.data(), children.corners().data(), n, made, appended.parents + first);
+    for (int k = 0; k < n; ++k)
+        made[k].flags = WorkPoint::refined;
+    for (const auto& [own, number] : children.made())
+        made[own] = growth.made[std::size_t(number)];
+    const float* radius = children.rows().radius;
+    for (int k = 0; k < n; ++k)
+    {
+        made[k].radius = radius[k];
+        made[k].id = growth.first_id + first + k;
+        appended.points[first + k] = frame.from_unit(made[k].position);
+        appended.normals[first + k] = made[k].normal;
+        appended.radii[first + k] = double(radius[k]) * frame.scale();
+    }
+}
+
 struct Node
 {
     Box box;
@@ -178,11 +200,10 @@ Level make_level(std::vector<WorkPoint> points)
     return level;
 }
 
-Level grow_level(const Level& level, const Growth& growth, const UnitFrame& frame, Point* points, Vector* normals,
-                 std::array<int, 3>* parents, int threads, const Progress& progress)
+Level grow_level(const Level& level, const Growth& growth, const UnitFrame& frame, const Appended& appended,
+                 int threads, const Progress& progress)
 {
     const std::size_t n = level.leaves.size();
-    const Kernels& kernel = kernels();
     Level next;
     next.points.resize(level.points.size() + std::size_t(growth.first[n]));
     resize_rows(next);
@@ -191,29 +212,15 @@ Level grow_level(const Level& level, const Growth& growth, const UnitFrame& fram
     const auto grow_leaf = [&](std::size_t i, std::vector<Leaf>& leaves)
     {
         const Leaf& leaf = level.leaves[i];
-        const LeafChildren& children = growth.children[i];
-        const int begin = leaf.begin + growth.first[i], middle = begin + leaf.size(), end = middle + children.count();
+        const int begin = leaf.begin + growth.first[i], middle = begin + leaf.size(),
+                  end = middle + growth.children[i].count();
         for (int j = leaf.begin; j < leaf.end; ++j)
         {
             WorkPoint& p = next.points[std::size_t(begin + j - leaf.begin)];
             p = level.points[std::size_t(j)];
             p.radius = growth.next_radius[std::size_t(j)];
         }
-        WorkPoint* const made = next.points.data() + middle;
-        kernel.finish_children(level.points.data(), children.corners().data(), children.count(), made,
-                               parents + growth.first[i]);
-        for (int k = 0; k < children.count(); ++k)
-            made[k].flags = WorkPoint::refined;
-        for (const auto& [own, number] : children.made())
-            made[own] = growth.made[std::size_t(number)];
-        const float* radius = children.rows().radius;
-        for (int k = 0; k < children.count(); ++k)
-        {
-            made[k].radius = radius[k];
-            made[k].id = growth.first_id + growth.first[i] + k;
-            points[growth.first[i] + k] = frame.from_unit(made[k].position);
-            normals[growth.first[i] + k] = made[k].normal;
-        }
+        make_children(level, growth, frame, appended, i, next.points.data() + middle);
         for (int j = begin; j < end; ++j)
         {
             WorkPoint& p = next.points[std::size_t(j)];
@@ -234,6 +241,23 @@ Level grow_level(const Level& level, const Growth& growth, const UnitFrame& fram
     for (const std::vector<Leaf>& part : parts)
         next.leaves.insert(next.leaves.end(), part.begin(), part.end());
     return next;
+}
+
+void append_children(const Level& level, const Growth& growth, const UnitFrame& frame, const Appended& appended,
+                     int threads, const Progress& progress)
+{
+    parallel_chunks(level.leaves.size(), threads, 64, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<WorkPoint> made;
+                        for (std::size_t i = begin; i < end; ++i)
+                        {
+                            const auto count = std::size_t(growth.children[i].count());
+                            if (made.size() < count)
+                                made.resize(count);
+                            make_children(level, growth, frame, appended, i, made.data());
+                        }
+                    });
 }
 
 LeafGraph connect_leaves(const Level& level, int threads, const Progress& progress)

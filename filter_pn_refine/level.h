@@ -125,11 +125,23 @@ struct Growth
     double target_radius;                  ///< Points with a radius at most this are no longer refined.
 };
 
-/// The next level: each leaf's points and then its children, split where they are too many. Positions (in the frame's
-/// input units), normals and the ids of the parents of the children go to the arrays as well, in the order of their
-/// ids.
-Level grow_level(const Level& level, const Growth& growth, const UnitFrame& frame, Point* points, Vector* normals,
-                 std::array<int, 3>* parents, int threads, const Progress& progress);
+/// Where the children of a step go, in the order of their ids: positions and radii in the frame's input units.
+struct Appended
+{
+    Point* points;
+    Vector* normals;
+    std::array<int, 3>* parents; ///< Their ids.
+    double* radii;
+};
+
+/// The next level: each leaf's points and then its children, split where they are too many. The children are appended
+/// as well.
+Level grow_level(const Level& level, const Growth& growth, const UnitFrame& frame, const Appended& appended,
+                 int threads, const Progress& progress);
+
+/// The same where no step follows: appends the children and makes no level.
+void append_children(const Level& level, const Growth& growth, const UnitFrame& frame, const Appended& appended,
+                     int threads, const Progress& progress);
 
 /// Leaves whose refinement may touch the same points: those whose boxes, grown by their largest radii, meet. Leaves of
 /// one colour do not, so they can be refined side by side.

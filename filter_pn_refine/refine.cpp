@@ -116,34 +116,33 @@ public:
     {
         PhaseTimes times;
         times.begin("prepare");
-        UsableSamples usable = choose_usable_samples(input, frame_, options_.crease_angle * radians, threads_,
-                                                     progress.part(0, 0.03, "choosing points"));
+        UsableSamples usable;
+        choose_usable_samples(input, frame_, options_.crease_angle * radians, threads_,
+                              progress.part(0, 0.03, "choosing points"), usable);
         warn_of_left_out(usable, result_);
         if (usable.input.empty())
             throw InvalidInput("No point has a normal: compute normals first.");
-        std::unique_ptr<NeighbourSearch> search = std::make_unique<NeighbourSearch>(usable.samples.points);
         if (options_.repair_normals)
             repair(usable, progress.part(0.03, 0.06, "normals"));
         times.begin("radii");
         if (options_.detect_creases)
         {
             result_.crease_points =
-                put_in(usable, detect_creases(usable, *search, options_.crease_angle * radians), true);
-            search = std::make_unique<NeighbourSearch>(usable.samples.points);
-            usable.nearest = find_nearest(usable.samples.points, *search, threads_);
+                put_in(usable, detect_creases(usable, *usable.search, options_.crease_angle * radians), true);
+            update_nearest(usable, threads_);
         }
         InitialFans fans =
-            find_initial_fans(usable.samples, *search, usable.nearest, usable.is_crease,
+            find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease,
                               options_.crease_angle * radians, 1.5, threads_, progress.part(0.06, 0.15, "radii"));
         if (options_.hole_radius > 0 && fill(usable, fans))
         {
-            search = std::make_unique<NeighbourSearch>(usable.samples.points);
-            usable.nearest = find_nearest(usable.samples.points, *search, threads_);
-            fans = find_initial_fans(usable.samples, *search, usable.nearest, usable.is_crease,
+            update_nearest(usable, threads_);
+            fans = find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease,
                                      options_.crease_angle * radians, 1.5, threads_, {});
         }
         const std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
         usable.nearest = {};
+        usable.search.reset();
         find_segments(usable, fans);
         start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
@@ -157,11 +156,11 @@ public:
             const double share = std::pow(2.3, s);
             const Progress part = progress.part(0.15 + 0.85 * done / total, 0.15 + 0.85 * (done + share) / total,
                                                 "step " + std::to_string(s + 1));
-            if (!refine_level(part, times))
+            if (!refine_level(s + 1 == options_.steps, part, times))
                 break;
             done += share;
         }
-        finish(usable);
+        collect_radii();
         result_.seconds = times.seconds();
         return std::move(result_);
     }
@@ -250,8 +249,8 @@ private:
         level_ = make_level(std::move(points));
     }
 
-    /// \returns false if nothing was done.
-    bool refine_level(const Progress& progress, PhaseTimes& times)
+    /// \returns false if no step may follow.
+    bool refine_level(bool is_last, const Progress& progress, PhaseTimes& times)
     {
         times.begin("leaves");
         const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name));
@@ -261,9 +260,14 @@ private:
         std::vector<WorkPoint> on_segments;
         std::vector<float> next_radius(level_.points.size(), 0.f);
         std::vector<int> open_gaps(level_.leaves.size(), 0);
-        for (std::size_t i = 0; i < level_.points.size(); ++i)
-            if (!(level_.points[i].flags & WorkPoint::refined))
-                next_radius[i] = level_.points[i].radius;
+        parallel_for(
+            level_.points.size(), threads_, {},
+            [&](std::size_t i)
+            {
+                if (!(level_.points[i].flags & WorkPoint::refined))
+                    next_radius[i] = level_.points[i].radius;
+            },
+            4096);
 
         times.begin("refine");
         // On every odd step (section 6), before what lies beside them.
@@ -310,53 +314,75 @@ private:
         }
         if (is_odd)
             segments_ = divide_segments(segments_, thirds, first, before);
+        describe_step(before + made, children, next_radius, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
         const std::size_t old = result_.points.size();
         result_.points.resize(old + std::size_t(made));
         result_.normals.resize(old + std::size_t(made));
         result_.parents.resize(old + std::size_t(made));
-        level_ = grow_level(
-            level_, {children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale()},
-            frame_, result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old, threads_,
-            progress.part(0.9, 1, progress_name));
-        describe_step(before + made, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
+        result_.radii.resize(old + std::size_t(made));
+        const Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale()};
+        const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
+                                result_.radii.data() + old};
+        const Progress growing = progress.part(0.9, 1, progress_name);
+        if (is_last)
+        {
+            append_children(level_, growth, frame_, appended, threads_, growing);
+            parallel_for(
+                next_radius.size(), threads_, {}, [&](std::size_t i) { level_.points[i].radius = next_radius[i]; },
+                4096);
+        }
+        else
+            level_ = grow_level(level_, growth, frame_, appended, threads_, growing);
         times.end();
         return made > 0;
     }
 
-    void describe_step(int points, int open_gaps)
+    void describe_step(int points, const std::vector<LeafChildren>& children, const std::vector<float>& next_radius,
+                       int open_gaps)
     {
         PnStepStatistics s;
         s.points = points;
         s.open_gaps = open_gaps;
-        std::vector<float> radii;
-        radii.reserve(level_.points.size());
-        float smallest = level_.points[0].radius, largest = smallest;
-        for (const WorkPoint& p : level_.points)
+        float smallest = next_radius[0], largest = smallest;
+        std::vector<float> picked; // every so many-th: the median needs no more
+        const std::size_t each = std::size_t(points) / 65536 + 1;
+        std::size_t number = 0;
+        const auto take = [&](const float* radii, std::size_t count)
         {
-            radii.push_back(p.radius);
-            smallest = std::min(smallest, p.radius);
-            largest = std::max(largest, p.radius);
-        }
-        const auto middle = radii.begin() + std::ptrdiff_t(radii.size() / 2);
-        std::nth_element(radii.begin(), middle, radii.end());
-        s.median_radius = *middle * frame_.scale();
+            for (std::size_t k = 0; k < count; ++k, ++number)
+            {
+                smallest = std::min(smallest, radii[k]);
+                largest = std::max(largest, radii[k]);
+                if (number % each == 0)
+                    picked.push_back(radii[k]);
+            }
+        };
+        take(next_radius.data(), next_radius.size());
+        for (const LeafChildren& list : children)
+            take(list.rows().radius, std::size_t(list.count()));
+        const auto middle = picked.begin() + std::ptrdiff_t(picked.size() / 2);
+        std::nth_element(picked.begin(), middle, picked.end());
         s.smallest_radius = smallest * frame_.scale();
+        s.median_radius = *middle * frame_.scale();
         s.largest_radius = largest * frame_.scale();
         result_.steps.push_back(s);
     }
 
-    void finish(const UsableSamples&)
+    /// Of the points that took part in the last step; those that it made have theirs.
+    void collect_radii()
     {
         result_.input_radii.assign(std::size_t(input_count_), 0.0);
         result_.radii.resize(result_.points.size());
-        for (const WorkPoint& p : level_.points)
-        {
-            const double radius = p.radius * frame_.scale();
-            if (p.id < input_count_)
-                result_.input_radii[std::size_t(p.id)] = radius;
-            else
-                result_.radii[std::size_t(p.id - input_count_)] = radius;
-        }
+        parallel_for(
+            level_.points.size(), threads_, {},
+            [&](std::size_t i)
+            {
+                const WorkPoint& p = level_.points[i];
+                double& radius = p.id < input_count_ ? result_.input_radii[std::size_t(p.id)]
+                                                     : result_.radii[std::size_t(p.id - input_count_)];
+                radius = p.radius * frame_.scale();
+            },
+            4096);
     }
 
     const std::string progress_name = "refining";

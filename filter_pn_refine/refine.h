@@ -49,10 +49,10 @@ struct PnRefineHints
 /// Of one step.
 struct PnStepStatistics
 {
-    int points = 0;                                                    ///< In all after it.
-    double smallest_radius = 0, median_radius = 0, largest_radius = 0; ///< [length]
-    int open_gaps = 0; ///< Points whose new neighbourhood stayed open: rims, holes.
-    double seconds = 0;
+    int points = 0;                                 ///< In all after it.
+    double smallest_radius = 0, largest_radius = 0; ///< [length]
+    double median_radius = 0;                       ///< Of 65,536 of them at most [length].
+    int open_gaps = 0;                              ///< Points whose new neighbourhood stayed open: rims, holes.
 };
 
 /// Result of refine_points(). Input points keep their places: only what is new is listed.

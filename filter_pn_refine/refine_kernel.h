@@ -133,13 +133,26 @@ struct PointRefiner
                has_point_near(w.new_points, x, y, z, least_distance * r);
     }
 
+    /// Gaps of N' that are large against the spacing, though perhaps narrower than theta_c.
+    PN_INLINE Mask large_gaps(const Front& f, Floats squared, Floats plane) const
+    {
+        const float most = 2 * LocalRules::large_gap * spacing * step.shrinking;
+        return below(all(most * most), squared) & below(all(2 * LocalRules::least_turn), plane) & first_lanes(f.count);
+    }
+
+    /// Whether N' has gaps to fill.
+    PN_INLINE bool is_incomplete(const Front& f, Floats plane, Floats gaps) const
+    {
+        return f.count < lane_count &&
+               ((below(all(LocalRules::complete_angle), gaps) & first_lanes(std::max(f.count, 1))) != 0 ||
+                (f.count > 2 && large_gaps(f, squared_diameters(f), plane) != 0));
+    }
+
     /// Fills the gaps of N' wider than theta_c. \returns true if one stays open.
-    PN_INLINE bool fill_gaps(const Centre& c, int own, bool curved, Front& f)
+    PN_INLINE bool fill_gaps(const Centre& c, int own, bool curved, Floats plane, Floats gaps, Front& f)
     {
         Candidates& candidates = w.candidates;
         bool is_open = false;
-        Floats plane = f.count > 0 ? plane_gaps(f) : all(6.28318531f);
-        Floats gaps = f.count > 0 ? measure_gaps(f, plane, curved) : plane;
         while (f.count < lane_count)
         {
             const Mask wide =
@@ -191,14 +204,12 @@ struct PointRefiner
     /// Inserts into gaps of N' that are narrow enough but large (LocalRules::large_gap).
     PN_INLINE void fill_large_gaps(const Centre& c, int own, bool curved, Front& f)
     {
-        const float most = 2 * LocalRules::large_gap * spacing * step.shrinking;
         Candidates& candidates = w.candidates;
         Mask hopeless = 0;
         while (f.count > 2 && f.count < lane_count && w.arrivals.count < ring_capacity)
         {
             const Floats squared = squared_diameters(f), plane = plane_gaps(f);
-            const Mask large = below(all(most * most), squared) & below(all(2 * LocalRules::least_turn), plane) &
-                               first_lanes(f.count) & ~hopeless;
+            const Mask large = large_gaps(f, squared, plane) & ~hopeless;
             if (large == 0)
                 return;
             const int widest = largest_lane(large, squared);
@@ -340,11 +351,6 @@ struct PointRefiner
                 bent |= below(load<Floats>(ring.flatness + k), all(LocalRules::curved_below));
             accurate = bent != 0;
         }
-        const bool in_plane = accurate && step.precision != Precision::fuzzy;
-        find_tangents(c, in_plane, ring);
-        sort_fan(ring, in_plane, w.fan);
-        const float fan_gap = list_candidates(c, ring, w.fan, least_distance, w.candidates);
-
         found = find_near(w.new_points, c, hits);
         sees_all = ring.count == found_old && found <= largest_ring;
         if (found > largest_ring)
@@ -354,9 +360,20 @@ struct PointRefiner
             reject_other_side(w, c, step.least_crease_agreement, least_distance);
         Front front;
         start_front(c, ring, w.arrivals, front);
-        const bool is_open = fill_gaps(c, own, accurate, front);
-        // A rim stays open: keeping the radius large there would only collect neighbours.
-        const bool is_rim = fan_gap > step.boundary_angle;
+        const Floats plane = front.count > 0 ? plane_gaps(front) : all(6.28318531f);
+        const Floats gaps = front.count > 0 ? measure_gaps(front, plane, accurate) : plane;
+        bool is_open = false, is_rim = false;
+        // Every third point finds its neighbourhood complete: the points before have seen to that.
+        if (is_incomplete(front, plane, gaps))
+        {
+            const bool in_plane = accurate && step.precision != Precision::fuzzy;
+            find_tangents(c, in_plane, ring);
+            sort_fan(ring, in_plane, w.fan);
+            const float fan_gap = list_candidates(c, ring, w.fan, least_distance, w.candidates);
+            is_open = fill_gaps(c, own, accurate, plane, gaps, front);
+            // A rim stays open: keeping the radius large there would only collect neighbours.
+            is_rim = fan_gap > step.boundary_angle;
+        }
         const bool is_large = LocalRules::largest_open * spacing < 1;
         write_radii(own, c, is_open && !is_rim && !is_large, front);
         return is_open;

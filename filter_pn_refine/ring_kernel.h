@@ -115,20 +115,15 @@ PN_INLINE Mask choose_neighbours(const Ring& ring, int first)
         const float uj = ring.u[j], vj = ring.v[j],
                     lj2 = in_plane ? uj * uj + vj * vj : ring.length[j] * ring.length[j];
         const Floats g = in_plane ? xi * uj + yi * vj : xi * ring.x[j] + yi * ring.y[j] + zi * ring.z[j];
-        // The sine of a_ij, (p_j / |p_j|) . (p_i - p_j) / |p_i - p_j|, enters with its sign times its square, so that
-        // the root is taken of the maximum only. A point is not behind itself or its twin on a crease, whatever
-        // rounding says.
+        // The sine of a_ij, (p_j / |p_j|) . (p_i - p_j) / |p_i - p_j|. A point is not behind itself or its twin on a
+        // crease, whatever rounding says.
         const Floats along = g - lj2, apart = squared + lj2 - 2 * g;
-        const Floats sine = select(below(all(1e-6f), apart), along * absolute(along) / (apart * (lj2 + 1e-30f)), least);
+        const Floats sine = select(below(all(1e-6f), apart), along * rough_inverse_root(apart * (lj2 + 1e-30f)), least);
         const Mask is_successor = at_most(Floats{}, ui * vj - vi * uj);
         successor = larger(successor, select(is_successor, sine, least));
         predecessor = larger(predecessor, select(is_successor, least, sine));
     }
-    const auto weight = [](Floats signed_square)
-    {
-        const Floats size = root(absolute(signed_square));
-        return larger(select(below(signed_square, Floats{}), -size, size) + 0.5f, Floats{});
-    };
+    const auto weight = [](Floats sine) { return larger(sine + 0.5f, Floats{}); };
     return at_most(weight(successor) + weight(predecessor), all(1.f)) & first_lanes(ring.count - first);
 }
 

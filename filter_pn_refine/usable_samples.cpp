@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace recon::pn
 {
@@ -49,23 +50,50 @@ std::vector<char> find_isolated(const Points& points, const NearestTable& neares
     return is_isolated;
 }
 
+void leave_out(const std::vector<char>& is_isolated, UsableSamples& usable)
+{
+    std::vector<int> kept_as;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < is_isolated.size(); ++i)
+    {
+        kept_as.push_back(int(kept));
+        if (is_isolated[i])
+            continue;
+        usable.samples.points[kept] = usable.samples.points[i];
+        usable.samples.normals[kept] = usable.samples.normals[i];
+        usable.input[kept] = usable.input[i];
+        // Points at one place are isolated together or not at all.
+        usable.sharing[kept] = kept_as[std::size_t(usable.sharing[i])];
+        ++kept;
+    }
+    usable.isolated = int(is_isolated.size() - kept);
+    usable.samples.points.resize(kept);
+    usable.samples.normals.resize(kept);
+    usable.input.resize(kept);
+    usable.sharing.resize(kept);
+}
+
 } // namespace
 
-UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle,
-                                    int threads, const Progress& progress)
+void update_nearest(UsableSamples& usable, int threads, const Progress& progress)
 {
-    UsableSamples usable;
+    usable.search = std::make_unique<NeighbourSearch>(usable.samples.points);
+    usable.nearest = find_nearest(usable.samples.points, *usable.search, threads, progress);
+}
+
+void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
+                           const Progress& progress, UsableSamples& usable)
+{
     const int n = int(input.points.size());
     const double same = std::cos(crease_angle);
     const DistinctPoints distinct = find_distinct_points(input.points);
-    std::vector<std::vector<int>> at_place; // only places with several points
-    std::vector<int> place_of(distinct.first_index.size(), -1), counts(distinct.first_index.size(), 0);
+    std::map<std::size_t, std::vector<int>> at_place; // only places with several points
+    std::vector<int> counts(distinct.first_index.size(), 0);
     for (int i = 0; i < n; ++i)
         ++counts[std::size_t(distinct.representative[std::size_t(i)])];
     progress.report(0.3);
 
-    OrientedSamples samples;
-    std::vector<int> indices, sharing;
+    OrientedSamples& samples = usable.samples;
     for (int i = 0; i < n; ++i)
     {
         const Vector& normal = input.normals[std::size_t(i)];
@@ -81,12 +109,7 @@ UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFram
         int first = self;
         if (counts[place] > 1)
         {
-            if (place_of[place] < 0)
-            {
-                place_of[place] = int(at_place.size());
-                at_place.emplace_back();
-            }
-            std::vector<int>& there = at_place[std::size_t(place_of[place])];
+            std::vector<int>& there = at_place[place];
             if (std::any_of(there.begin(), there.end(),
                             [&](int j) { return samples.normals[std::size_t(j)].dot(unit) >= same; }))
             {
@@ -99,36 +122,18 @@ UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFram
         // A unit normal keeps its bits.
         samples.points.push_back(frame.to_unit(input.points[std::size_t(i)]));
         samples.normals.push_back(std::abs(normal.squaredNorm() - 1) < 1e-14 ? normal : unit);
-        indices.push_back(i);
-        sharing.push_back(first);
+        usable.input.push_back(i);
+        usable.sharing.push_back(first);
     }
 
-    usable.nearest = find_nearest(samples.points, NeighbourSearch(samples.points), threads,
-                                  progress.part(0.3, 0.9, "choosing points"));
-    const std::vector<char> is_isolated = find_isolated(samples.points, usable.nearest, threads);
-    progress.report(0.9);
-    std::vector<int> kept_as(samples.points.size(), -1);
-    for (std::size_t i = 0; i < samples.points.size(); ++i)
-    {
-        if (is_isolated[i])
-        {
-            ++usable.isolated;
-            continue;
-        }
-        kept_as[i] = int(usable.input.size());
-        usable.samples.points.push_back(samples.points[i]);
-        usable.samples.normals.push_back(samples.normals[i]);
-        usable.input.push_back(indices[i]);
-        // Points at one place are isolated together or not at all.
-        usable.sharing.push_back(kept_as[std::size_t(sharing[i])]);
-    }
+    update_nearest(usable, threads, progress.part(0.3, 0.9, "choosing points"));
+    leave_out(find_isolated(samples.points, usable.nearest, threads), usable);
     if (usable.isolated > 0 && !usable.input.empty())
-        usable.nearest = find_nearest(usable.samples.points, NeighbourSearch(usable.samples.points), threads);
+        update_nearest(usable, threads);
     usable.is_crease.assign(usable.input.size(), 0);
     for (std::size_t i = 0; i < usable.input.size(); ++i)
         if (const auto first = std::size_t(usable.sharing[i]); first != i)
             usable.is_crease[i] = usable.is_crease[first] = 1;
-    return usable;
 }
 
 } // namespace recon::pn

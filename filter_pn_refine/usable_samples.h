@@ -5,28 +5,37 @@
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
-#include <string>
+#include <memory>
 #include <vector>
 
 namespace recon::pn
 {
 
-/// The samples that can take part in refinement, in the unit frame, and why the others cannot.
+/// The samples that can take part in refinement, in the unit frame, and why the others cannot. Stays where it is: the
+/// search refers to the samples.
 struct UsableSamples
 {
+    UsableSamples() = default;
+    UsableSamples(const UsableSamples&) = delete;
+    UsableSamples& operator=(const UsableSamples&) = delete;
+
     OrientedSamples samples; ///< Unit normals.
     std::vector<int> input;  ///< Per sample its index in the input.
     std::vector<int>
         sharing; ///< Per sample: the first sample at the same position (a crease's first normal); itself mostly.
-    std::vector<char> is_crease; ///< Per sample: shares its position with another.
-    NearestTable nearest;        ///< Of the samples.
+    std::vector<char> is_crease;             ///< Per sample: shares its position with another.
+    std::unique_ptr<NeighbourSearch> search; ///< Among the samples.
+    NearestTable nearest;                    ///< Of the samples.
     int duplicates = 0, without_normal = 0, isolated = 0;
 };
 
-/// Leaves out points without a normal, further points at one position whose normals differ by at most `crease_angle`
+/// Takes all but points without a normal, further points at one position whose normals differ by at most `crease_angle`
 /// [radians] from one already there, and isolated points: those far from their neighbours compared with how far those
-/// are from theirs.
-UsableSamples choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle,
-                                    int threads, const Progress& progress);
+/// are from theirs. \pre `usable` is empty.
+void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
+                           const Progress& progress, UsableSamples& usable);
+
+/// Makes search and table again after samples have been added or left out.
+void update_nearest(UsableSamples& usable, int threads, const Progress& progress = {});
 
 } // namespace recon::pn
