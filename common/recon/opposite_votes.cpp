@@ -3,6 +3,7 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
+#include <array>
 
 namespace recon
 {
@@ -28,13 +29,18 @@ std::vector<SignedEdge> list_opposite_votes(const Points& samples, const PolarBa
     {
         const int a = kept.of_sample[v][0], b = kept.of_sample[v][1];
         if (a < 0 || b < 0)
-            thin.push_back(v);
-        else
         {
+            thin.push_back(v);
+            continue;
+        }
+        for (const auto& pair : {std::array{a, b}, std::array{kept.slant_of_sample[v][0], b}, std::array{a, kept.slant_of_sample[v][1]}})
+        {
+            if (pair[0] < 0 || pair[1] < 0)
+                continue;
             const double weight =
-                opposition(kept.balls[a].centre - samples[v], kept.balls[b].centre - samples[v]);
+                opposition(kept.balls[pair[0]].centre - samples[v], kept.balls[pair[1]].centre - samples[v]);
             if (weight > 0)
-                votes.push_back({a, b, -weight});
+                votes.push_back({pair[0], pair[1], -weight});
         }
     }
 

@@ -53,6 +53,43 @@ Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samp
     return poles;
 }
 
+void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles)
+{
+    constexpr double largest_squared_cosine = 0.5, smallest_squared_ratio = 0.49;
+    struct Side
+    {
+        Vector pole = Vector::Zero();
+        double squared = 0, farthest = 0;
+    };
+    std::vector<std::array<Side, 2>> sides(samples.size() - box_corner_count);
+    for (std::size_t v = 0; v < sides.size(); ++v)
+        for (int k = 0; k < 2; ++k)
+            if (const int c = poles.cells[v][k]; c != Poles::none)
+            {
+                sides[v][k].pole = delaunay.centres[c] - samples[v];
+                sides[v][k].squared = sides[v][k].pole.squaredNorm();
+            }
+    poles.slant.assign(samples.size(), {Poles::none, Poles::none});
+    for (int c = 0; c < delaunay.finite_cells; ++c)
+        for (const int v : delaunay.cells[c].vertices)
+        {
+            if (v >= int(sides.size()))
+                continue;
+            const Vector offset = delaunay.centres[c] - samples[v];
+            const double squared = offset.squaredNorm();
+            for (int k = 0; k < 2; ++k)
+            {
+                Side& own = sides[v][k];
+                const double along = offset.dot(own.pole);
+                if (along <= 0 || squared <= own.farthest || squared < smallest_squared_ratio * own.squared ||
+                    along * along > largest_squared_cosine * squared * own.squared || offset.dot(sides[v][1 - k].pole) > 0)
+                    continue;
+                own.farthest = squared;
+                poles.slant[v][k] = c;
+            }
+        }
+}
+
 void append_box_corners(Points& samples)
 {
     for (int corner = 0; corner < box_corner_count; ++corner)
@@ -64,6 +101,7 @@ PolarBalls keep_polar_balls(const Triangulation& delaunay, const Points& samples
 {
     PolarBalls result;
     result.of_sample.assign(samples.size(), {Poles::none, Poles::none});
+    result.slant_of_sample = result.of_sample;
     constexpr int unseen = -2, dropped = -1;
     std::vector<int> ball_of_cell(std::size_t(delaunay.finite_cells), unseen);
     const int first_corner = int(samples.size()) - box_corner_count;
@@ -71,11 +109,10 @@ PolarBalls keep_polar_balls(const Triangulation& delaunay, const Points& samples
     for (int step = 0; step < int(samples.size()); ++step)
     {
         const int v = step < box_corner_count ? first_corner + step : step - box_corner_count;
-        for (int side = 0; side < 2; ++side)
+        const auto keep_ball = [&](int c, int& of_sample)
         {
-            const int c = poles.cells[v][side];
             if (c == Poles::none)
-                continue;
+                return;
             int& ball = ball_of_cell[c];
             if (ball == unseen)
             {
@@ -91,7 +128,13 @@ PolarBalls keep_polar_balls(const Triangulation& delaunay, const Points& samples
                     result.is_outside.push_back(is_outside);
                 }
             }
-            result.of_sample[v][side] = ball;
+            of_sample = ball;
+        };
+        for (int side = 0; side < 2; ++side)
+        {
+            keep_ball(poles.cells[v][side], result.of_sample[v][side]);
+            if (!poles.slant.empty())
+                keep_ball(poles.slant[v][side], result.slant_of_sample[v][side]);
         }
     }
     return result;

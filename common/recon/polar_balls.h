@@ -17,6 +17,7 @@ struct Poles
 {
     static constexpr int none = -1;
     std::vector<std::array<int, 2>> cells; ///< Per sample: Delaunay cells dual to the first and the second pole.
+    std::vector<std::array<int, 2>> slant; ///< Per sample: those of the slant poles beside them. May be empty.
 };
 
 /// First pole: the farthest Voronoi vertex. Second: the farthest in the half space away from the first.
@@ -26,12 +27,18 @@ Poles find_poles(const Triangulation& delaunay, const Points& samples);
 /// Samples beyond the normals (the corners of the box) get poles as without.
 Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samples, const Vectors& normals);
 
+/// Finds the slant poles: on either side the farthest Voronoi vertex 45 degrees or more from the pole and at least 0.7 times as
+/// far. A well sampled cell is slender and has none. Where samples lie in rings around a limb, or on the rims of bare flats, a
+/// cell reaches past its ring to both sides, and the pole alone leaves one of them without a ball.
+void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles);
+
 /// Polar balls that were kept. Many samples share one ball.
 struct PolarBalls
 {
     std::vector<Ball> balls;
     std::vector<std::array<int, 4>> touched;   ///< Per ball: the four samples on its boundary.
     std::vector<std::array<int, 2>> of_sample; ///< Per sample: its kept balls (first, second pole) or Poles::none.
+    std::vector<std::array<int, 2>> slant_of_sample; ///< The same of its slant poles.
     std::vector<char> is_outside;              ///< Per ball: polar ball of a corner of the bounding box.
 };
 
