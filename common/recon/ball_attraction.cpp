@@ -112,7 +112,8 @@ BallAttraction weigh_attraction(const Triangulation& regular, const std::vector<
                             out.edges.push_back({a, b, cosine});
                         continue;
                     }
-                    const double lambda = 0.5 * (density[a] + density[b]);
+                    // Of a big ball that touches fine and coarse parts the other ball knows at which of them the two meet.
+                    const double lambda = std::min(density[a], density[b]);
                     const double in_disc = lambda * pi * disc2;
                     if (cosine > options.merge_above && in_disc > 10)
                     {
