@@ -61,9 +61,9 @@ struct LabelledCloud
     LabelledBalls labelled;
 };
 
-/// Prepares the samples and labels their polar balls. A clean cloud whose votes the labels contradict in a large part (an open
-/// scan that outer balls flood, walls thinner than the spacing) is tried again with the normals of its AMLS surface, and
-/// the labelling that contradicts less stays.
+/// Prepares the samples and labels their polar balls. A clean cloud of whose points the crust misses some (an open scan that outer
+/// balls flood, coarse limbs, walls thinner than the spacing) is tried again denoised, with the normals of its AMLS surface,
+/// and the crust with the smaller mismatch stays.
 /// \param labelling with lengths in input units.
 LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options, BallLabellingOptions labelling,
                           PhaseTimes& times, const Progress& progress = {});

@@ -21,6 +21,9 @@ namespace
 /// Weight, in samples, of what leaves no doubt.
 constexpr double certain = 1e3;
 
+/// Above this share of violated votes labels are not to be trusted. Right results had up to 0.07, floods 0.2 to 0.9.
+constexpr double flooded_above = 0.15;
+
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real holes to
 /// the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the cloud, attraction is
 /// overrated: across a flat with samples on its rim only, the density of the rim asks for samples that nobody took.
@@ -55,9 +58,8 @@ std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& sa
 {
     std::vector<TerminalTie> ties;
     for (std::size_t v = 0; v < normals.size(); ++v)
-        for (int side = 0; side < 2; ++side)
+        for (const int ball : {kept.of_sample[v][0], kept.of_sample[v][1], kept.slant_of_sample[v][0], kept.slant_of_sample[v][1]})
         {
-            const int ball = kept.of_sample[v][side];
             if (ball < 0)
                 continue;
             const double cosine = (kept.balls[ball].centre - samples[v]).normalized().dot(normals[v]);
@@ -142,7 +144,8 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
 
     // Steps 2 and 3.
     times.begin("polar balls");
-    const Poles poles = oriented ? find_poles_along_normals(delaunay, samples, normals) : find_poles(delaunay, samples);
+    Poles poles = oriented ? find_poles_along_normals(delaunay, samples, normals) : find_poles(delaunay, samples);
+    find_slant_poles(delaunay, samples, poles);
     const BallScale scale =
         oriented ? choose_fine_scale(spacing) : choose_scale(spacing, free_samples, delaunay, poles, options.noise, threads);
     PolarBalls kept = keep_polar_balls(delaunay, samples, poles,

@@ -12,9 +12,6 @@
 namespace recon
 {
 
-/// Above this share of violated votes labels are not to be trusted. Right results had up to 0.07, floods 0.2 to 0.9.
-constexpr double flooded_above = 0.15;
-
 /// Options of label_polar_balls(). Lengths are in the unit frame.
 struct BallLabellingOptions
 {
@@ -40,7 +37,7 @@ struct LabelledBalls
 /// Algorithm 4.1 of Mederos et al. (2005), steps 1 to 5, with a local threshold and a global labelling: Delaunay
 /// triangulation, polar balls above the local scale, power diagram, labels from the balls' attraction, the samples' votes and,
 /// where given, the samples' outward normals; then doubtful balls dropped, islands absorbed, doubtful and short handles removed.
-/// Where the labels contradict more than `flooded_above` of the votes, votes and normals weigh more and labels are found again.
+/// Where the labels contradict a large part of the votes, votes and normals weigh more and labels are found again.
 /// \param samples distinct, spanning a volume, of unit scale, best in spatial order. \param normals empty, or one per sample
 /// of a cloud that is already free of noise.
 /// \throws Cancelled.

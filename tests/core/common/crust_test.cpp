@@ -90,6 +90,75 @@ TEST(FindPoles, ReachTheMedialAxisOfATorus)
     EXPECT_GT(same, 3960);
 }
 
+TEST(FindSlantPoles, FillTheGapsBetweenRingsAndAreNotNeededElsewhere)
+{
+    // A limb of radius 1 sampled in rings; from both its sides every second gap is the smaller one.
+    constexpr int rings = 12, around = 16;
+    const auto height = [](int ring) { return 1.9 * ring + (ring % 2 ? 0.3 : 0); };
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> jitter(-0.005, 0.005);
+    Points limb;
+    for (int ring = 0; ring < rings; ++ring)
+        for (int k = 0; k < around; ++k)
+        {
+            const double angle = 2 * pi * (k + 0.5 * (ring % 2)) / around;
+            limb.emplace_back(std::cos(angle) + jitter(random), std::sin(angle) + jitter(random), height(ring) + jitter(random));
+        }
+    const UnitFrame frame(limb);
+    limb = frame.to_unit(limb);
+    append_box_corners(limb);
+    const Triangulation delaunay = triangulate_delaunay(limb);
+    const auto count_filled = [&](const Poles& poles)
+    {
+        const PolarBalls kept = keep_polar_balls(delaunay, limb, poles, [](double, const auto&) { return true; });
+        int filled = 0;
+        for (int gap = 0; gap + 1 < rings; ++gap)
+        {
+            bool has_ball = false;
+            for (const Ball& ball : kept.balls)
+            {
+                const Point centre = frame.from_unit(ball.centre);
+                has_ball |= centre.head<2>().norm() < 0.3 && std::abs(2 * centre.z() - height(gap) - height(gap + 1)) < 0.6;
+            }
+            filled += has_ball;
+        }
+        return filled;
+    };
+    Poles poles = find_poles(delaunay, limb);
+    EXPECT_LT(count_filled(poles), rings - 1);
+    find_slant_poles(delaunay, limb, poles);
+    EXPECT_EQ(count_filled(poles), rings - 1);
+
+    Points dense = shapes::torus(4000, major, minor, 1).points;
+    append_box_corners(dense);
+    const Triangulation slender = triangulate_delaunay(dense);
+    poles = find_poles(slender, dense);
+    find_slant_poles(slender, dense, poles);
+    int slant = 0;
+    for (const auto& cells : poles.slant)
+        slant += (cells[0] != Poles::none) + (cells[1] != Poles::none);
+    EXPECT_LT(slant, 40);
+}
+
+TEST(LabelPolarBalls, KeepCoarsePartsBesideFineOnes)
+{
+    // Two coarse spheres beside a fine one: outer balls touch both kinds.
+    Points samples;
+    const auto append = [&](int n, double radius, const Point& centre)
+    {
+        for (const Point& p : shapes::sphere(n, radius, std::uint64_t(n)).points)
+            samples.push_back(p + centre);
+    };
+    append(120, 0.2, Point(-0.25, 0, 0));
+    append(6000, 0.04, Point(0, 0, 0));
+    append(130, 0.2, Point(0.25, 0, 0));
+    PhaseTimes times;
+    const LabelledBalls labelled = label_polar_balls(samples, {}, {}, times);
+    const checks::MeshReport report = checks::examine_mesh(extract_crust(labelled.regular, labelled.labels));
+    EXPECT_EQ(report.components, 3) << report.text();
+    EXPECT_NEAR(report.volume, 4.0 / 3 * pi * (2 * 0.008 + 0.000064), 0.1 * 0.067);
+}
+
 TEST(LabelPolarBalls, TellsInnerFromOuterBallsOfATorus)
 {
     for (const bool with_normals : {false, true})

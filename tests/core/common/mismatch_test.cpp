@@ -1,0 +1,63 @@
+#include <recon/crust.h>
+#include <recon/labelled_balls.h>
+#include <recon/mismatch.h>
+
+#include <gtest/gtest.h>
+
+#include <tests/shapes.h>
+
+using namespace recon;
+
+namespace
+{
+
+TriangleMesh sphere_crust()
+{
+    PhaseTimes times;
+    return make_crust(label_polar_balls(shapes::sphere(3000, 0.5, 1).points, {}, {}, times), {});
+}
+
+TEST(MeasureMismatch, CountsThePointsAndTheAreaOfWhatOnlyOneOfThemHas)
+{
+    const TriangleMesh whole = sphere_crust();
+    TriangleMesh half = whole;
+    half.triangles.clear();
+    for (const auto& t : whole.triangles)
+        if (whole.vertices[t[0]].z() > 0)
+            half.triangles.push_back(t);
+    const Points points = shapes::sphere(3000, 0.5, 1).points;
+    Points upper;
+    for (const Point& p : points)
+        if (p.z() > 0)
+            upper.push_back(p);
+
+    const Mismatch none = measure_mismatch(points, whole), missed = measure_mismatch(points, half), bare = measure_mismatch(upper, whole);
+    EXPECT_LT(none.sum(), 0.01);
+    EXPECT_NEAR(missed.missed_points, 0.5, 0.08);
+    EXPECT_LT(missed.bare_area, 0.01);
+    EXPECT_NEAR(bare.bare_area, 0.5, 0.08);
+    EXPECT_LT(bare.missed_points, 0.01);
+}
+
+TEST(MeasureMismatch, StandsHostileInput)
+{
+    const Points points = shapes::sphere(100, 0.5, 1).points;
+    EXPECT_EQ(measure_mismatch(points, {}).missed_points, 1);
+    EXPECT_EQ(measure_mismatch({}, sphere_crust()).sum(), 0);
+    TriangleMesh degenerate;
+    degenerate.vertices = {Point(0, 0, 0), Point(1, 0, 0), Point(2, 0, 0)};
+    degenerate.triangles = {{0, 1, 2}, {0, 0, 1}};
+    EXPECT_EQ(measure_mismatch(points, degenerate).sum(), 1);
+    EXPECT_LE(measure_mismatch({Point(0, 0, 0)}, degenerate).sum(), 1);
+}
+
+TEST(MeasureMismatch, IsTheSameForAnyNumberOfThreads)
+{
+    const Points points = shapes::sphere(30'000, 0.5, 2).points; // more than are asked
+    const TriangleMesh mesh = sphere_crust();
+    const Mismatch one = measure_mismatch(points, mesh, 1), three = measure_mismatch(points, mesh, 3);
+    EXPECT_EQ(one.missed_points, three.missed_points);
+    EXPECT_EQ(one.bare_area, three.bare_area);
+}
+
+} // namespace
