@@ -417,13 +417,17 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
             const std::vector<int> set = narrow(closer.second, evidence, regular, at, labels, gain);
             if (gain <= 0)
                 continue;
-            double mean_scale = 0;
+            double mean_scale = 0, carried = 0;
             for (const int b : set)
+            {
                 mean_scale += scale[b] / double(set.size());
+                carried += 24 * std::pow(balls[b].radius / scale[b], 2);
+            }
             const double against = evidence.of(set, labels);
-            const double longest = against * options.longest_ring > options.largest_support
-                                       ? options.largest_support / against
-                                       : options.longest_ring;
+            double longest = against * options.longest_ring > options.largest_support ? options.largest_support / against
+                                                                                     : options.longest_ring;
+            if (against < options.least_share * carried)
+                longest = std::numeric_limits<double>::max();
             const double length = rings.measure(set, labels, longest * mean_scale);
             if (length == 0 || !std::isfinite(length))
                 continue;

@@ -136,6 +136,18 @@ TEST(ShortHandles, TurnsBallsFarLargerThanTheLocalScale)
     EXPECT_EQ(planted.report().genus(), 0);
 }
 
+TEST(ShortHandles, RemovesALongHandleThatItsLargeBallsDoNotSupport)
+{
+    PlantedTunnel planted(0.45);
+    planted.scale.assign(planted.balls.size(), 0.0005);
+    ShortHandleOptions options;
+    options.least_share = 0;
+    EXPECT_EQ(planted.remove(options), 0);
+    options.least_share = ShortHandleOptions().least_share;
+    EXPECT_GE(planted.remove(options), 2);
+    EXPECT_EQ(planted.report().genus(), 0);
+}
+
 TEST(ShortHandles, TurnsFewBallsThatCouldStayAndHaveEvidence)
 {
     int turned = 0, idle = 0;
