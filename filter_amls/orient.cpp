@@ -1,6 +1,7 @@
 #include "orient.h"
 
 #include "feature_size.h"
+#include "label_balls.h"
 
 #include <recon/block_search.h>
 #include <recon/parallel.h>
@@ -10,9 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <limits>
-#include <numeric>
 
 namespace recon
 {
@@ -22,63 +20,11 @@ namespace
 constexpr double big_spacings = 3;   // a ball of this many spacings is fully trusted
 constexpr double outside_weight = 2; // of the tie between the infinite cells and the outside
 constexpr double opposite_weight = 0.98;
-constexpr double trusting_factor = 1.5; // of opposite ties in the second labelling
 constexpr int vote_rounds = 6;
 constexpr int vote_neighbours = 12;
 constexpr double least_vote = 0.1;
 constexpr double gap_spacings = 8; // an edge this long spans a gap
 constexpr double open_share = 0.3; // of the area: single views have .38 to .67, closed models and busts up to .18
-
-/// Constraint between two balls, or between a ball and the outside.
-struct Tie
-{
-    int a, b;
-    float weight;
-    bool opposite;
-};
-
-/// Union-find whose elements know their parity against the root.
-class ParityForest
-{
-public:
-    explicit ParityForest(int n) : parent_(n), parity_(n, 0) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-    int find(int i, int& parity)
-    {
-        int root = i, p = 0;
-        while (parent_[root] != root)
-        {
-            p ^= parity_[root];
-            root = parent_[root];
-        }
-        parity = p;
-        while (parent_[i] != root)
-        {
-            const int next = parent_[i], next_parity = p ^ parity_[i];
-            parent_[i] = root;
-            parity_[i] = std::uint8_t(p);
-            i = next;
-            p = next_parity;
-        }
-        return root;
-    }
-
-    void unite(int a, int b, int parity)
-    {
-        int pa, pb;
-        const int ra = find(a, pa), rb = find(b, pb);
-        if (ra == rb)
-            return;
-        // Lower root wins: not the shallowest tree, but the same one always.
-        const int high = std::max(ra, rb), low = std::min(ra, rb);
-        parent_[high] = low;
-        parity_[high] = std::uint8_t(pa ^ pb ^ parity);
-    }
-
-private:
-    std::vector<int> parent_;
-    std::vector<std::uint8_t> parity_;
-};
 
 /// The balls of a Delaunay triangulation and their ties.
 struct Balls
@@ -164,76 +110,10 @@ std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vecto
             opposite_weight *
             std::min(pole_cosine(balls, points, normals, int(v), a), pole_cosine(balls, points, normals, int(v), b)) *
             std::min(balls.big[a], balls.big[b]);
-        ties.push_back({a, b, float(weight), true});
+        if (weight > 0)
+            ties.push_back({a, b, float(weight), true});
     }
     return ties;
-}
-
-/// Side of each ball (1 = that of the outside) by the maximum spanning forest of the ties, and the share of weight
-/// violated.
-struct Labels
-{
-    std::vector<std::int8_t> side;
-    double contradicted = 0;
-};
-
-/// Positions of the ties, heaviest first; equal weights in the order of the list, always.
-std::vector<int> sort_by_weight(const std::vector<Tie>& ties, bool opposite)
-{
-    // Bit patterns of positive floats sort as the floats do.
-    std::vector<std::uint64_t> keys;
-    for (std::size_t i = 0; i < ties.size(); ++i)
-        if (ties[i].opposite == opposite)
-        {
-            std::uint32_t bits;
-            std::memcpy(&bits, &ties[i].weight, sizeof bits);
-            keys.push_back(std::uint64_t(~bits) << 32 | std::uint32_t(i));
-        }
-    std::sort(keys.begin(), keys.end());
-    std::vector<int> order;
-    order.reserve(keys.size());
-    for (std::uint64_t key : keys)
-        order.push_back(int(std::uint32_t(key)));
-    return order;
-}
-
-/// The two kinds of ties, each sorted.
-struct SortedTies
-{
-    std::vector<int> same, opposite;
-};
-
-Labels label_balls(int balls, const std::vector<Tie>& ties, const SortedTies& sorted, double opposite_factor)
-{
-    ParityForest forest(balls + 1);
-    for (std::size_t i = 0, j = 0; i < sorted.same.size() || j < sorted.opposite.size();)
-    {
-        const bool same_next = j == sorted.opposite.size() ||
-                               (i < sorted.same.size() &&
-                                ties[sorted.same[i]].weight >= opposite_factor * ties[sorted.opposite[j]].weight);
-        const Tie& tie = ties[same_next ? sorted.same[i++] : sorted.opposite[j++]];
-        forest.unite(tie.a, tie.b, tie.opposite);
-    }
-    Labels labels;
-    labels.side.resize(balls);
-    int root_parity;
-    const int root = forest.find(balls, root_parity);
-    for (int b = 0; b < balls; ++b)
-    {
-        int parity;
-        const bool reached = forest.find(b, parity) == root;
-        labels.side[b] = reached && parity == root_parity ? 1 : -1;
-    }
-    double total = 0, wrong = 0;
-    for (const Tie& tie : ties)
-    {
-        const int a = tie.a == balls ? 1 : labels.side[tie.a], b = tie.b == balls ? 1 : labels.side[tie.b];
-        total += tie.weight;
-        if ((a != b) != tie.opposite)
-            wrong += tie.weight;
-    }
-    labels.contradicted = total > 0 ? wrong / total : 0;
-    return labels;
 }
 
 /// Flips normals that contradict the 12 points around them, beginning where neighbours in the triangulation contradict
@@ -289,32 +169,47 @@ void settle_votes(const Triangulation& t, const Points& points, const std::vecto
     }
 }
 
-/// Share of the area of the surface between the two sides that spans gaps between the points: nothing but small holes
-/// if the cloud is closed, as much as the cloud itself if it is a sheet.
+/// Share of the area of the surface between the two sides that spans gaps between the points, or has behind it what
+/// reaches out to the box: nothing but small holes if the cloud is closed, as much as the cloud itself if it is a
+/// sheet.
 double measure_gaps(const Triangulation& t, const Points& points, const std::vector<double>& spacing,
                     const std::vector<std::int8_t>& side)
 {
     const int n = int(points.size());
+    enum Place : char
+    {
+        outside,
+        inside,
+        inside_to_box
+    };
+    std::vector<Place> place(t.finite_cells, outside);
+    for (int c = 0; c < t.finite_cells; ++c)
+        if (side[c] < 0)
+        {
+            const auto& v = t.cells[c].vertices;
+            place[c] = std::any_of(v.begin(), v.end(), [n](int i) { return i >= n; }) ? inside_to_box : inside;
+        }
     double total = 0, gaps = 0;
     for (int c = 0; c < t.finite_cells; ++c)
     {
-        if (side[c] > 0)
+        if (place[c] == outside)
             continue;
         for (int i = 0; i < 4; ++i)
         {
             const int o = t.cells[c].neighbours[i];
-            if (t.is_finite(o) && side[o] < 0)
+            const Place beyond = t.is_finite(o) ? place[o] : outside;
+            if (beyond == inside || beyond == place[c])
                 continue;
             const auto& v = t.cells[c].vertices;
             const int a = v[(i + 1) % 4], b = v[(i + 2) % 4], d = v[(i + 3) % 4];
             if (a >= n || b >= n || d >= n)
-                continue; // out to the box: not between the points
+                continue;
             const Vector ab = points[b] - points[a], ad = points[d] - points[a], bd = points[d] - points[b];
             const double area = ab.cross(ad).norm();
             const double longest = std::max({ab.squaredNorm(), ad.squaredNorm(), bd.squaredNorm()});
             const double wide = gap_spacings / 3 * (spacing[a] + spacing[b] + spacing[d]);
             total += area;
-            if (longest > wide * wide)
+            if (place[c] == inside_to_box || beyond == inside_to_box || longest > wide * wide)
                 gaps += area;
         }
     }
@@ -331,16 +226,8 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     const Triangulation& t = balls.delaunay;
     const std::vector<Tie> ties = list_ties(balls, points, normals);
     progress.part(0.6, 0.9, "Orientation").report(0);
-    SortedTies sorted;
-    parallel_invoke(
-        threads, [&] { sorted.same = sort_by_weight(ties, false); },
-        [&] { sorted.opposite = sort_by_weight(ties, true); });
-    Labels plain, trusting;
-    parallel_invoke(
-        threads, [&] { plain = label_balls(t.finite_cells, ties, sorted, 1); },
-        [&] { trusting = label_balls(t.finite_cells, ties, sorted, trusting_factor); });
+    const BallLabels labels = label_balls(t.finite_cells, ties, threads);
     progress.part(0.9, 1, "Orientation").report(0);
-    const Labels& labels = trusting.contradicted < plain.contradicted ? trusting : plain;
 
     Orientation result;
     result.contradicted = labels.contradicted;

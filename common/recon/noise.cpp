@@ -95,6 +95,11 @@ constexpr int smoothing_seeds = 21;
 /// A residual that grows more than this from one scale to the next is not noise but shape: a thin part, a crease.
 constexpr double settled = 1.2;
 constexpr double settled_share = 0.2; // of the seeds; if fewer have settled, all are taken
+/// A sheet with twice the noise looks like a part not much thicker than the noise. But noise changes over long
+/// distances, so what exceeds that of the region around by more than this is taken for a thin part.
+constexpr double largest_excess = 1.2;
+constexpr double region_share = 0.2; // of the seeds
+constexpr int region_stride = 8;     // of its seeds so many that one is asked
 
 struct QuadricFit
 {
@@ -343,24 +348,41 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
         std::iota(settled_index.begin(), settled_index.end(), 0);
     }
 
+    Points region_seeds;
+    std::vector<double> region_sigma;
+    for (std::size_t k = 0; k < settled_index.size(); k += region_stride)
+    {
+        region_seeds.push_back(settled_seeds[k]);
+        region_sigma.push_back(raw[settled_index[k]].sigma);
+    }
+    const int region = std::max(smoothing_seeds, int(region_share * double(region_seeds.size())));
     std::vector<double> sigma(m), density(m);
-    const NeighbourSearch seed_search(seeds), settled_search(settled_seeds);
+    const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
     const double scale = frame.scale();
-    parallel_for(
-        std::size_t(m), threads, {},
-        [&](std::size_t i)
-        {
-            int near[smoothing_seeds];
-            double squared[smoothing_seeds], values[smoothing_seeds];
-            int count = settled_search.nearest(seeds[i], smoothing_seeds, near, squared);
-            for (int k = 0; k < count; ++k)
-                values[k] = raw[settled_index[near[k]]].sigma;
-            sigma[i] = truncation * scale * middle_of(values, count);
-            count = seed_search.nearest(seeds[i], smoothing_seeds, near, squared);
-            for (int k = 0; k < count; ++k)
-                values[k] = raw[near[k]].density;
-            density[i] = middle_of(values, count) / scale / scale;
-        });
+    parallel_chunks(std::size_t(m), threads, 32, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> near(region);
+                        std::vector<double> squared(region), values(region);
+                        const auto median_near = [&](const NeighbourSearch& search, const Point& p, int wanted, auto value)
+                        {
+                            const int count = search.nearest(p, wanted, near.data(), squared.data());
+                            for (int k = 0; k < count; ++k)
+                                values[k] = value(near[k]);
+                            return middle_of(values.data(), count);
+                        };
+                        for (std::size_t i = begin; i < end; ++i)
+                        {
+                            const double local = median_near(settled_search, seeds[i], smoothing_seeds,
+                                                             [&](int k) { return raw[settled_index[k]].sigma; });
+                            const double around = median_near(region_search, seeds[i], region,
+                                                              [&](int k) { return region_sigma[k]; });
+                            sigma[i] = truncation * scale * std::min(local, largest_excess * around);
+                            density[i] = median_near(seed_search, seeds[i], smoothing_seeds,
+                                                     [&](int k) { return raw[k].density; }) /
+                                         scale / scale;
+                        }
+                    });
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(sigma), std::move(density));
 }

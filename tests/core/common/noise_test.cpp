@@ -65,6 +65,22 @@ TEST(EstimateNoise, FollowsNoiseThatVaries)
     EXPECT_NEAR(estimate.sigma_at(Point(1, 0, 0)), 0.02, 0.004);
 }
 
+TEST(EstimateNoise, IsNotMisledByARodFilledWithNoise)
+{
+    // The sphere tells the noise; the rod beside it, bent to a ring, is 4 sigma thick.
+    const double sigma = 0.01, minor = 2 * sigma, major = 0.6;
+    Points points = shapes::sphere(60000, 1, 31).points;
+    for (const Point& p : shapes::torus(3000, major, minor, 32).points)
+        points.push_back(p + Vector(2, 0, 0));
+    const NoiseEstimate estimate = estimate_noise(shapes::with_noise(points, sigma, 33));
+    std::vector<double> on_rod;
+    for (int i = 0; i < estimate.size(); ++i)
+        if (estimate.seeds()[i].x() > 1.2)
+            on_rod.push_back(estimate.sigma()[i]);
+    ASSERT_GT(on_rod.size(), 20u);
+    EXPECT_LT(*std::max_element(on_rod.begin(), on_rod.end()), 1.5 * sigma);
+}
+
 TEST(EstimateNoise, FollowsDensityThatVaries)
 {
     // Of the half x > 0 one point in ten.
