@@ -20,6 +20,8 @@ namespace
 
 /// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
 constexpr double suspicious_votes = 0.01;
+/// Above this share the outside floods the surface, which then has handles by the hundred and misses nothing.
+constexpr double flooded_votes = 0.15;
 /// Share of points that a right surface may miss, at ears and folds.
 constexpr double bearable_miss = 0.01;
 /// Above this number of points two attempts are not kept side by side [count].
@@ -112,13 +114,15 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         first->labelled.violated_votes <= suspicious_votes)
         return std::move(*first);
     const Mismatch mismatch = measure(*first);
-    if (mismatch.missed_points <= bearable_miss)
+    const double violated = first->labelled.violated_votes;
+    const bool is_flooded = violated > flooded_votes;
+    if (mismatch.missed_points <= bearable_miss && !is_flooded)
         return std::move(*first);
     if (points.size() > most_points_twice)
         first.reset();
     {
         LabelledCloud second = attempt(Denoise::on, 0.8, 0.9);
-        if (measure(second).sum() < mismatch.sum())
+        if (is_flooded ? second.labelled.violated_votes < violated : measure(second).sum() < mismatch.sum())
             return second;
     }
     return first ? std::move(*first) : attempt(options.denoise, 0.9, 1);
