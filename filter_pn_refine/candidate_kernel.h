@@ -72,9 +72,7 @@ PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, const s
         const Floats nx = gather(points.nx, source), ny = gather(points.ny, source), nz = gather(points.nz, source);
         const Floats radius = gather(points.radius, source) * inverse;
         const Floats d2 = x * x + y * y + z * z, agreement = cnx * nx + cny * ny + cnz * nz;
-        const Floats slope = (cnx + nx) * x + (cny + ny) * y + (cnz + nz) * z, limit = 1 + agreement;
-        const Mask admitted =
-            at_most(slope * slope, limit * limit * d2) & at_most(all(least_agreement), agreement) & valid;
+        const Mask free = admitted(c, x, y, z, nx, ny, nz, d2, agreement) & valid;
         const Floats least = all(least_distance);
         store(a.source + k, source);
         store(a.x + k, x);
@@ -87,10 +85,10 @@ PN_INLINE void fill_arrivals(const LocalPoints& points, const Centre& c, const s
         store(a.angle + k, angle_of(x * c.e1[0] + y * c.e1[1] + z * c.e1[2], x * c.e2[0] + y * c.e2[1] + z * c.e2[2]));
         const Floats reach = smaller(smaller(radius, all(LocalRules::discard_most)) * LocalRules::discard,
                                      all(LocalRules::discard_spacings * spacing));
-        store(a.reach + k, larger(select(admitted, reach, least), least));
+        store(a.reach + k, larger(select(free, reach, least), least));
         store(a.near_reach + k,
               larger(smaller(radius * LocalRules::discard_near, all(LocalRules::near_spacings * spacing)), least));
-        a.free[k / lane_count] = admitted;
+        a.free[k / lane_count] = free;
     }
 }
 

@@ -26,10 +26,11 @@ struct LocalRules
     static constexpr float least_turn = 0.35f;
     /// [spacings after the step] A gap narrower than theta_c is completed too if the circle through its ends and the
     /// point has a larger radius. Else a hole between few points stays as it is while all around it becomes denser.
-    static constexpr float large_gap = 1.25f;
+    static constexpr float large_gap = 1.1f;
     static constexpr float free = 0.4f; ///< [spacings] What is put into such a gap keeps this distance to all points.
-    static constexpr float firm =
-        0.9f; ///< And comes from a triangle whose normals agree so far: others may lead astray.
+    /// And comes from a triangle whose normals agree so far: others may lead astray. Where they agree, fans take more
+    /// as well (choose_neighbours()).
+    static constexpr float firm = 0.95f;
     static constexpr float least_height = 0.1f; ///< Of a candidate's triangle, in its longest edge.
 
     // Radii.
@@ -39,10 +40,11 @@ struct LocalRules
     /// closed.
     static constexpr float open_radius = 1;
     static constexpr float largest_open = 4.5f; ///< [spacings] But not if it is larger than this.
-    /// [spacings] A radius reaches across circles of more than this radius that seem empty: else what lies on the other
-    /// side is never seen, and the hole grows in spacings from step to step.
-    static constexpr float seen_gap = 0.7f;
-    static constexpr float seen_most = 3; ///< [spacings] But not farther.
+    /// [spacings] The radii of a point and of both ends of its gap reach across a circle of more than this radius that
+    /// seems empty: else what lies on the other side is never seen, and the hole grows in spacings from step to step.
+    static constexpr float seen_gap = 0.65f;
+    static constexpr float seen_most = 3;     ///< [spacings] But not farther,
+    static constexpr float seen_growth = 1.5; ///< nor farther than this.
 
     static constexpr float curved_below = 0.95f; ///< Automatic: accurate where a neighbour's normal agrees less.
 };

@@ -283,43 +283,47 @@ struct PointRefiner
         *raised = std::max(*raised, std::min(radius, points.largest_radius[source]));
     }
 
-    /// Square of the radius that shows what lies across the gaps of N'.
-    PN_INLINE float squared_sight(const Front& f) const
+    /// Per gap of N' the square of the radius that shows what lies across it, 0 where that is no question.
+    PN_INLINE Floats squared_sights(const Front& f) const
     {
+        if (f.count < 3)
+            return Floats{};
         const float most = 2 * LocalRules::seen_gap * spacing, limit = LocalRules::seen_most * spacing;
         const Floats squared = squared_diameters(f), plane = plane_gaps(f);
         // The circles of very narrow gaps and of half turns say nothing.
         const Mask large = below(all(most * most), squared) & below(all(2 * LocalRules::least_turn), plane) &
-                           below(plane, all(3.f)) & first_lanes(f.count) & ~f.dead;
-        return large == 0 ? 0 : std::min(largest(select(large, squared, Floats{})), limit * limit);
+                           below(plane, all(3.f)) & first_lanes(f.count);
+        return select(large, smaller(squared, all(limit * limit)), Floats{});
     }
 
     PN_INLINE void write_radii(int own, const Centre& c, bool is_open, const Front& f)
     {
         const float least = std::max(is_open ? LocalRules::open_radius : 0, f.farthest);
-        float radius2 = least * least;
+        float radius2 = least * least, sight2 = 0;
         const float radius = 1 / c.inverse_radius;
         if (const int n = f.count; n > 0)
         {
+            const Ints next = successors(n), previous = select(1u, all(n - 1), lane_numbers - 1);
             const Floats d2 = select(first_lanes(n), f.x * f.x + f.y * f.y + f.z * f.z, Floats{});
-            radius2 = std::max(radius2, largest(d2));
-            const Ints next = successors(n);
             const Floats dx = permute(f.x, next) - f.x, dy = permute(f.y, next) - f.y, dz = permute(f.z, next) - f.z;
-            const Floats after = select(~f.dead & 0xFFFFu, dx * dx + dy * dy + dz * dz, Floats{});
-            const Floats before = permute(after, select(1u, all(n - 1), lane_numbers - 1));
-            const Floats reach2 = larger(d2, larger(after, before));
+            const Floats sights = squared_sights(f);
+            // What lies across a gap must be seen from both its ends as well.
+            const Floats after = larger(select(~f.dead & 0xFFFFu, dx * dx + dy * dy + dz * dz, Floats{}), sights);
+            const Floats reach2 = larger(d2, larger(after, permute(after, previous)));
             alignas(64) float raised[lane_count];
             alignas(64) std::int32_t members[lane_count];
             store(raised, smaller(root(reach2) * hair, all(LocalRules::shrink)) * radius);
             store(members, f.member);
             for (int k = 0; k < n; ++k)
                 raise_radius(members[k], raised[k]);
-            if (n > 2)
-                radius2 = std::max(radius2, squared_sight(f));
+            radius2 = std::max(radius2, largest(d2));
+            sight2 = largest(sights);
         }
         float& own_next = w.next[std::size_t(own)];
         const float most = is_open ? LocalRules::open_radius : LocalRules::shrink;
-        own_next = std::max(own_next, std::min(__builtin_sqrtf(radius2) * hair, most) * radius);
+        const float reach = std::max(std::min(__builtin_sqrtf(radius2) * hair, most),
+                                     std::min(__builtin_sqrtf(sight2), LocalRules::seen_growth));
+        own_next = std::max(own_next, reach * radius);
     }
 
     PN_INLINE bool refine(int own)

@@ -21,6 +21,15 @@ PN_INLINE int find_near(const LocalPoints& points, const Centre& c, std::int32_t
     return n;
 }
 
+/// Which points the normals admit as neighbours (eq. 6): (x, y, z) from the centre, with the squared distance and the
+/// agreement of the normals.
+PN_INLINE Mask admitted(const Centre& c, Floats x, Floats y, Floats z, Floats nx, Floats ny, Floats nz, Floats d2,
+                        Floats agreement)
+{
+    const Floats slope = (c.n[0] + nx) * x + (c.n[1] + ny) * y + (c.n[2] + nz) * z, limit = 1 + agreement;
+    return at_most(slope * slope, limit * limit * d2) & at_most(all(least_agreement), agreement);
+}
+
 /// Fills the ring from the local points in `hits` that the normals admit (eq. 6); the others leave the list, which
 /// holds a vector more than `count`.
 PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, std::int32_t* hits, int count, Ring& ring)
@@ -42,9 +51,7 @@ PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, std::int32_
                          ny = select(valid, gather(points.ny, source), cny),
                          nz = select(valid, gather(points.nz, source), cnz);
             const Floats d2 = x * x + y * y + z * z, agreement = cnx * nx + cny * ny + cnz * nz;
-            const Floats slope = (cnx + nx) * x + (cny + ny) * y + (cnz + nz) * z, limit = 1 + agreement;
-            const Mask admitted =
-                at_most(slope * slope, limit * limit * d2) & at_most(all(least_agreement), agreement) & valid;
+            const Mask taken = admitted(c, x, y, z, nx, ny, nz, d2, agreement) & valid;
             const Floats u = x * c.e1[0] + y * c.e1[1] + z * c.e1[2], v = x * c.e2[0] + y * c.e2[1] + z * c.e2[2];
             store(ring.source + k, source);
             store(ring.x + k, x);
@@ -59,14 +66,14 @@ PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, std::int32_
             store(ring.flatness + k, agreement);
             store(ring.angle + k, angle_of(u, v));
             // Few are ever refused: then all is done again without them.
-            if (admitted != valid)
+            if (taken != valid)
             {
-                store(hits + kept, compress(admitted, source));
+                store(hits + kept, compress(taken, source));
                 is_full = false;
             }
             else if (!is_full)
                 store(hits + kept, source);
-            kept += count_of(admitted);
+            kept += count_of(taken);
         }
         count = kept;
     }
@@ -101,7 +108,10 @@ PN_INLINE void find_tangents(const Centre& c, bool projects, Ring& ring)
 }
 
 /// Which of sixteen entries are neighbours (eq. 8): how far each lies behind a successor and a predecessor, with the
-/// planes' fuzziness theta_f = 30 degrees. `in_plane`: measured on (u, v), otherwise in space.
+/// planes' fuzziness theta_f = 30 degrees: a weight of eq. 8 is the sine + 1/2, at least 0. What lies far before one
+/// plane may lie a little farther behind the other where the normals agree: without any limit the two sines cancel on
+/// the circle through the centre and both neighbours, so that beside a hole, of whose rim the limit would hide the far
+/// points, fans keep to Delaunay triangles. `in_plane`: measured on (u, v), otherwise in space.
 template <bool in_plane>
 PN_INLINE Mask choose_neighbours(const Ring& ring, int first)
 {
@@ -123,8 +133,9 @@ PN_INLINE Mask choose_neighbours(const Ring& ring, int first)
         successor = larger(successor, select(is_successor, sine, least));
         predecessor = larger(predecessor, select(is_successor, least, sine));
     }
-    const auto weight = [](Floats sine) { return larger(sine + 0.5f, Floats{}); };
-    return at_most(weight(successor) + weight(predecessor), all(1.f)) & first_lanes(ring.count - first);
+    const Floats limit =
+        select(at_most(all(LocalRules::firm), load<Floats>(ring.flatness + first)), all(-0.9f), all(-0.5f));
+    return at_most(larger(successor, limit) + larger(predecessor, limit), Floats{}) & first_lanes(ring.count - first);
 }
 
 /// Of two normals at one position (a crease) the one that agrees more stays.
