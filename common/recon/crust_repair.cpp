@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <queue>
 #include <unordered_map>
+#include <utility>
 
 namespace recon
 {
@@ -104,6 +106,89 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
     for (const int i : turned)
         labels[i] = opposite(labels[i]);
     return int(turned.size());
+}
+
+void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<double>& margins, double share,
+                   std::vector<int>& doubtful)
+{
+    const std::size_t n = labels.size();
+    std::vector<char> is_doubtful(n, 0);
+    for (const int ball : doubtful)
+        is_doubtful[ball] = 1;
+    DisjointSets parts(n); // of the inside without its doubtful balls
+    for (const auto& cell : regular.cells)
+    {
+        int first = -1;
+        for (const int v : cell.vertices)
+            if (v != Triangulation::infinite && labels[v] == Side::inner && !is_doubtful[v])
+            {
+                if (first < 0)
+                    first = v;
+                else
+                    parts.join(first, v);
+            }
+    }
+    std::vector<int> size(n, 0);
+    for (std::size_t i = 0; i < n; ++i)
+        ++size[parts.find(int(i))];
+    const int largest = int(std::max_element(size.begin(), size.end()) - size.begin());
+    std::vector<char> waits(n, 0); // large parts that are not yet joined
+    int waiting = 0;
+    for (std::size_t i = 0; i < n; ++i)
+        if (int(i) != largest && size[i] > 1 && size[i] >= share * size[largest])
+        {
+            waits[i] = 1;
+            ++waiting;
+        }
+    if (waiting == 0)
+        return;
+
+    // Prim's walk from the largest part through doubtful balls, highest margin first.
+    const CellsAtVertices at = list_cells_at_vertices(regular, int(n));
+    std::vector<std::vector<int>> members(n);
+    for (std::size_t i = 0; i < n; ++i)
+        if (const int part = parts.find(int(i)); waits[part] || part == largest)
+            members[part].push_back(int(i));
+    std::vector<int> from(n, -1);
+    std::vector<char> is_met(n, 0);
+    std::priority_queue<std::pair<double, int>> queue; // of equal margins the lowest index
+    const auto meet = [&](int ball, int origin, double margin)
+    {
+        if (is_met[ball])
+            return;
+        is_met[ball] = 1;
+        from[ball] = origin;
+        queue.emplace(margin, -ball);
+    };
+    const auto meet_part = [&](int part)
+    {
+        for (const int ball : members[part])
+            meet(ball, -1, 2); // before all others: margins are at most 1
+    };
+    meet_part(largest);
+    while (!queue.empty() && waiting > 0)
+    {
+        const int ball = -queue.top().second;
+        queue.pop();
+        for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
+            for (const int other : regular.cells[at.cell[k]].vertices)
+            {
+                if (other == Triangulation::infinite || labels[other] != Side::inner || is_met[other])
+                    continue;
+                const int part = parts.find(other);
+                if (is_doubtful[other])
+                    meet(other, ball, margins[other]);
+                else if (waits[part])
+                {
+                    waits[part] = 0;
+                    --waiting;
+                    for (int bridge = ball; bridge >= 0; bridge = from[bridge])
+                        is_doubtful[bridge] = 0;
+                    meet_part(part);
+                }
+            }
+    }
+    doubtful.erase(std::remove_if(doubtful.begin(), doubtful.end(), [&](int ball) { return !is_doubtful[ball]; }), doubtful.end());
 }
 
 int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,

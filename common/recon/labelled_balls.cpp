@@ -24,6 +24,9 @@ constexpr double certain = 1e3;
 /// Above this share of violated votes labels are not to be trusted. Right results had up to 0.07, floods 0.2 to 0.9.
 constexpr double flooded_above = 0.15;
 
+/// Parts of the inside with fewer balls, in shares of the largest part, are noise.
+constexpr double island_share = 0.02;
+
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real holes to
 /// the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the cloud, attraction is
 /// overrated: across a flat with samples on its rim only, the density of the rim asks for samples that nobody took.
@@ -220,10 +223,11 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
         if (is_small[i] && margins[i] < 0.6 && !kept.is_outside[i])
             doubtful.push_back(i);
     }
+    spare_bridges(regular, labels, margins, island_share, doubtful);
     if (!doubtful.empty())
         diagram.remove(doubtful, regular, threads);
     // The second round sees what the first joined.
-    for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, 0.02, labels) > 0; ++round)
+    for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, island_share, labels) > 0; ++round)
         continue;
     cut_handles(regular, graph.is_root, is_small, margins, {}, labels);
     // Removal can bring other balls to the hull; outside is all that is known there.

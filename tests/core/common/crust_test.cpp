@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
 using namespace recon;
@@ -138,6 +139,49 @@ TEST(FindSlantPoles, FillTheGapsBetweenRingsAndAreNotNeededElsewhere)
     for (const auto& cells : poles.slant)
         slant += (cells[0] != Poles::none) + (cells[1] != Poles::none);
     EXPECT_LT(slant, 40);
+}
+
+TEST(SpareBridges, LeavesOneChainWhereAllOfANeckIsDoubtful)
+{
+    PhaseTimes times;
+    const LabelledBalls labelled = label_polar_balls(shapes::capsule(3000, 0.15, 0.35, 1).points, {}, {}, times);
+    std::vector<int> doubtful;
+    std::vector<double> margins(labelled.labels.size(), 1);
+    for (int i = 0; i < int(labelled.labels.size()); ++i)
+    {
+        const Point& centre = labelled.kept.balls[i].centre;
+        margins[i] = std::hypot(centre.x(), centre.y()) < 0.01 ? 0.5 : 0.1;
+        if (labelled.labels[i] == Side::inner && std::abs(centre.z()) < 0.1)
+            doubtful.push_back(i);
+    }
+    ASSERT_GT(doubtful.size(), 20u);
+    std::vector<int> dropped = doubtful;
+    spare_bridges(labelled.regular, labelled.labels, margins, 0.02, dropped);
+    EXPECT_LT(dropped.size(), doubtful.size());
+    EXPECT_GT(2 * dropped.size(), doubtful.size());
+    for (const int i : doubtful)
+        if (!std::binary_search(dropped.begin(), dropped.end(), i))
+        {
+            EXPECT_EQ(margins[i], 0.5) << "weaker chains than need be";
+        }
+    // What stays holds both ends together.
+    std::vector<char> stays(labelled.labels.size());
+    for (std::size_t i = 0; i < stays.size(); ++i)
+        stays[i] = labelled.labels[i] == Side::inner && !std::binary_search(dropped.begin(), dropped.end(), int(i));
+    DisjointSets parts(stays.size());
+    for (const auto& cell : labelled.regular.cells)
+        for (const int a : cell.vertices)
+            for (const int b : cell.vertices)
+                if (a >= 0 && b >= 0 && stays[a] && stays[b])
+                    parts.join(a, b);
+    std::map<int, int> size;
+    for (int i = 0; i < int(stays.size()); ++i)
+        if (stays[i])
+            ++size[parts.find(i)];
+    int large = 0;
+    for (const auto& part : size)
+        large += part.second > 20;
+    EXPECT_EQ(large, 1);
 }
 
 TEST(LabelPolarBalls, KeepCoarsePartsBesideFineOnes)
