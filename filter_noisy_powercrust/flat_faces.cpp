@@ -1,0 +1,356 @@
+#include "flat_faces.h"
+
+#include "planar_faces.h"
+
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+constexpr int most_seeds = 2000, around = 16;
+/// Samples around a seed that must lie in one plane with it, of `around`.
+constexpr int fewest_around = 6;
+/// Share of its rim samples that may see the surface fold in over the ground.
+/// Share of a plane's samples that noise may bring there from other parts.
+constexpr double noisy_strays = 0.1;
+/// Half the thickness of a plane [noise]; thin ones lose rims, thick ones gain strays, so one after the other is tried.
+constexpr std::array<double, 3> noisy_tolerances = {3, 2, 1.5};
+constexpr double folded_rims = 0.2;
+/// Circumradius of a planar Delaunay triangle, in rim spacings, above which it is bare ground.
+constexpr double bare_above = 1.2;
+
+struct Plane
+{
+    Point origin = Point::Zero();
+    Vector normal = Vector::Zero();
+    double tolerance = 0;
+
+    double height(const Point& p) const { return normal.dot(p - origin); }
+    bool holds(const Point& p) const { return std::abs(height(p)) <= tolerance; }
+};
+
+struct Neighbourhood
+{
+    int count = 0;
+    int indices[around];
+    double squared[around];
+};
+
+Neighbourhood look_around(const NeighbourSearch& search, const Point& p)
+{
+    Neighbourhood result;
+    result.count = search.nearest(p, around, result.indices, result.squared);
+    return result;
+}
+
+void fit(Plane& plane, const Points& samples, const std::vector<int>& members)
+{
+    Point centre = Point::Zero();
+    for (const int i : members)
+        centre += samples[i];
+    centre /= double(members.size());
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const int i : members)
+        spread += (samples[i] - centre) * (samples[i] - centre).transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+    const Vector normal = solver.eigenvectors().col(0);
+    plane.origin = centre;
+    plane.normal = normal.dot(plane.normal) < 0 ? Vector(-normal) : normal;
+}
+
+class FlatFaceFinder
+{
+public:
+    FlatFaceFinder(const Points& samples, const FlatFaceOptions& options)
+        : samples_(samples), options_(options), search_(samples)
+    {
+    }
+
+    std::vector<FlatFace> find(const Progress& progress)
+    {
+        const int n = int(samples_.size());
+        const int stride = std::max(1, n / most_seeds);
+        std::vector<int> seeds;
+        for (int i = 0; i < n; i += stride)
+            seeds.push_back(i);
+        std::vector<FlatFace> faces;
+        if (options_.noise == 0)
+            find_at(0, seeds, progress, faces);
+        for (std::size_t k = 0; options_.noise > 0 && k < noisy_tolerances.size(); ++k)
+            find_at(noisy_tolerances[k] * options_.noise, seeds,
+                    progress.part(double(k) / 3, double(k + 1) / 3, "flat faces"), faces);
+        return faces;
+    }
+
+private:
+    void find_at(double tolerance, const std::vector<int>& seeds, const Progress& progress,
+                 std::vector<FlatFace>& faces)
+    {
+        std::vector<Plane> around_seed(seeds.size());
+        parallel_for(seeds.size(), options_.threads, progress.part(0, 0.7, "flat faces"),
+                     [&](std::size_t k) { around_seed[k] = fit_around(seeds[k], tolerance); });
+        std::vector<Plane> with_faces = planes_;
+        for (std::size_t k = 0; k < seeds.size(); ++k)
+        {
+            Plane plane = around_seed[k];
+            if (plane.tolerance == 0 || is_known(plane))
+                continue;
+            const std::vector<int> members = grow(plane);
+            if (int(members.size()) < options_.fewest_samples || is_known(plane))
+                continue;
+            planes_.push_back(plane);
+            const std::size_t before = faces.size();
+            append_faces(plane, members, faces);
+            if (faces.size() > before)
+                with_faces.push_back(plane);
+            progress.part(0.7, 1, "flat faces").report(double(k) / double(seeds.size()));
+        }
+        // The others may close their rims at another tolerance.
+        planes_ = std::move(with_faces);
+    }
+
+    /// Plane of tolerance 0 if there is none, or no bare ground in it at the seed.
+    Plane fit_around(int seed, double tolerance) const
+    {
+        const Point& p = samples_[seed];
+        const Neighbourhood near = look_around(search_, p);
+        Plane best;
+        if (near.count < fewest_around)
+            return best;
+        const double spacing = std::sqrt(near.squared[2]);
+        int most = fewest_around - 1;
+        Plane plane;
+        plane.origin = p;
+        plane.tolerance = std::max(options_.tolerance * spacing, tolerance);
+        for (int a = 1; a < std::min(near.count, 5); ++a)
+            for (int b = a + 1; b < near.count; ++b)
+            {
+                const Vector u = samples_[near.indices[a]] - p, v = samples_[near.indices[b]] - p;
+                const Vector across = u.cross(v);
+                const double squared = across.squaredNorm();
+                if (squared < 0.01 * near.squared[a] * near.squared[b])
+                    continue;
+                plane.normal = across / std::sqrt(squared);
+                int count = 0;
+                for (int j = 0; j < near.count; ++j)
+                    count += plane.holds(samples_[near.indices[j]]);
+                if (count > most)
+                {
+                    most = count;
+                    best = plane;
+                }
+            }
+        if (best.tolerance == 0)
+            return best;
+        const Vector first = best.normal.unitOrthogonal(), second = best.normal.cross(first);
+        for (int k = 0; k < 8; ++k)
+        {
+            const double angle = k * 0.25 * pi;
+            const Point q = p + 4 * spacing * (std::cos(angle) * first + std::sin(angle) * second);
+            if ((samples_[search_.nearest(q)] - q).norm() > 3 * spacing)
+                return best;
+        }
+        return Plane();
+    }
+
+    bool is_known(const Plane& plane) const
+    {
+        return std::any_of(planes_.begin(), planes_.end(),
+                           [&](const Plane& known)
+                           { return known.holds(plane.origin) && std::abs(known.normal.dot(plane.normal)) > 0.999; });
+    }
+
+    /// Fits the plane to ever more of its samples. \returns all it has.
+    std::vector<int> grow(Plane& plane) const
+    {
+        const Neighbourhood near = look_around(search_, plane.origin);
+        const Point seed = plane.origin;
+        std::vector<int> found, members;
+        for (double radius = std::sqrt(near.squared[near.count - 1]);; radius *= 2)
+        {
+            search_.within(seed, radius, found);
+            members.clear();
+            for (const int i : found)
+                if (plane.holds(samples_[i]))
+                    members.push_back(i);
+            std::sort(members.begin(), members.end());
+            if (int(members.size()) < (found.size() > 1000 ? options_.fewest_samples : fewest_around) || radius > 1)
+                return members;
+            fit(plane, samples_, members);
+        }
+    }
+
+    /// Whether the surface crosses the plane at a sample, instead of ending or bending there.
+    bool is_crossing(const Plane& plane, int sample) const
+    {
+        const Neighbourhood near = look_around(search_, samples_[sample]);
+        Vector nearest[2] = {Vector::Zero(), Vector::Zero()};
+        for (int j = near.count - 1; j > 0; --j)
+        {
+            const Vector offset = samples_[near.indices[j]] - samples_[sample];
+            const double height = plane.normal.dot(offset);
+            if (std::abs(height) > std::max(2 * plane.tolerance, 0.3 * offset.norm()))
+                nearest[height > 0] = offset;
+        }
+        const double below = nearest[0].norm(), above = nearest[1].norm();
+        return below > 0 && above > 0 && std::max(below, above) < 1.5 * std::min(below, above) &&
+               nearest[0].dot(nearest[1]) < -0.5 * below * above;
+    }
+
+    /// Share of rim samples at which samples nearby lie above or below the face's ground: there the surface folds in
+    /// over it.
+    double measure_folds(const Plane& plane, const FlatFace& face) const
+    {
+        std::map<int, std::vector<std::array<int, 2>>> wedges;
+        std::map<std::pair<int, int>, int> uses;
+        for (const auto& t : face.triangles)
+            for (int i = 0; i < 3; ++i)
+            {
+                wedges[t[i]].push_back({t[(i + 1) % 3], t[(i + 2) % 3]});
+                ++uses[std::minmax(t[i], t[(i + 1) % 3])];
+            }
+        std::map<int, std::vector<int>> along;
+        for (const auto& edge : uses)
+            if (edge.second == 1)
+            {
+                along[edge.first.first].push_back(edge.first.second);
+                along[edge.first.second].push_back(edge.first.first);
+            }
+        Points rim;
+        for (const int v : face.rim)
+            rim.push_back(samples_[v]);
+        const NeighbourSearch rim_search(rim);
+        const auto distance_to_rim = [&](const Point& q)
+        {
+            int nearest[3];
+            double squared[3], least = 1e300;
+            const int found = rim_search.nearest(q, 3, nearest, squared);
+            for (int j = 0; j < found; ++j)
+                for (const int w : along[face.rim[nearest[j]]])
+                {
+                    const Vector edge = samples_[w] - rim[nearest[j]], offset = q - rim[nearest[j]];
+                    const double t = std::clamp(offset.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+                    least = std::min(least, (offset - t * edge).norm());
+                }
+            return least;
+        };
+        int folded = 0;
+        for (const int v : face.rim)
+        {
+            const Point& p = samples_[v];
+            const Neighbourhood near = look_around(search_, p);
+            bool is_folded = false;
+            double reach = 1e300;
+            for (int j = 1; j < near.count && near.squared[j] < reach; ++j)
+            {
+                const Vector offset = samples_[near.indices[j]] - p;
+                const double height = plane.normal.dot(offset);
+                const Vector lateral = offset - height * plane.normal;
+                if (std::abs(height) <= 2 * plane.tolerance)
+                    continue;
+                // What is much farther than the nearest may be the other side of a sheet.
+                reach = std::min(reach, 2 * near.squared[j]);
+                if (distance_to_rim(p + lateral) < 0.3 * std::abs(height))
+                    continue;
+                for (const auto& w : wedges[v])
+                    is_folded |= plane.normal.dot((samples_[w[0]] - p).cross(lateral)) > 0 &&
+                                 plane.normal.dot(lateral.cross(samples_[w[1]] - p)) > 0;
+            }
+            folded += is_folded;
+        }
+        return face.rim.empty() ? 1 : double(folded) / double(face.rim.size());
+    }
+
+    /// Leaves samples at least `distance` apart, so that noise does not fold the curves on which they lie.
+    void thin(double distance, std::vector<int>& indices) const
+    {
+        Points points;
+        for (const int i : indices)
+            points.push_back(samples_[i]);
+        const NeighbourSearch search(points);
+        std::vector<char> is_taken(points.size(), 0);
+        std::vector<int> near, left;
+        for (std::size_t k = 0; k < points.size(); ++k)
+        {
+            if (is_taken[k])
+                continue;
+            left.push_back(indices[k]);
+            search.within(points[k], distance, near);
+            for (const int other : near)
+                is_taken[other] = 1;
+        }
+        indices = std::move(left);
+    }
+
+    /// Whether some of the face lies far from its rim, in spacings of the rim.
+    bool is_bare(const FlatFace& face) const
+    {
+        std::vector<double> spacings;
+        for (const int v : face.rim)
+            spacings.push_back(std::sqrt(look_around(search_, samples_[v]).squared[2]));
+        const auto middle = spacings.begin() + std::ptrdiff_t(spacings.size() / 2);
+        std::nth_element(spacings.begin(), middle, spacings.end());
+        return std::any_of(face.triangles.begin(), face.triangles.end(),
+                           [&](const std::array<int, 3>& t)
+                           {
+                               const Vector u = samples_[t[1]] - samples_[t[0]], v = samples_[t[2]] - samples_[t[0]];
+                               const double radius = u.norm() * v.norm() * (u - v).norm() / (2 * u.cross(v).norm());
+                               return radius > bare_above * *middle;
+                           });
+    }
+
+    void append_faces(const Plane& plane, const std::vector<int>& members, std::vector<FlatFace>& faces) const
+    {
+        std::vector<int> on_plane;
+        for (const int i : members)
+            if (!is_crossing(plane, i))
+                on_plane.push_back(i);
+        thin(plane.tolerance, on_plane);
+        if (int(on_plane.size()) < options_.fewest_samples)
+            return;
+        const Vector first = plane.normal.unitOrthogonal(), second = plane.normal.cross(first);
+        std::vector<Eigen::Vector2d> flat;
+        for (const int i : on_plane)
+            flat.emplace_back(first.dot(samples_[i] - plane.origin), second.dot(samples_[i] - plane.origin));
+        for (const PlanarFace& planar : fill_planar_rims(flat, options_.noise > 0 ? noisy_strays : 0))
+        {
+            FlatFace face;
+            face.normal = plane.normal;
+            for (const auto& t : planar.triangles)
+                face.triangles.push_back({on_plane[t[0]], on_plane[t[1]], on_plane[t[2]]});
+            for (const int v : planar.rim)
+                face.rim.push_back(on_plane[v]);
+            // A disc (two triangles fewer than rim samples) may as well be the mouth of a hollow.
+            if (face.triangles.size() >= face.rim.size() && int(face.rim.size()) >= options_.fewest_samples &&
+                is_bare(face) && measure_folds(plane, face) <= folded_rims)
+                faces.push_back(std::move(face));
+        }
+    }
+
+    const Points& samples_;
+    const FlatFaceOptions& options_;
+    NeighbourSearch search_;
+    std::vector<Plane> planes_;
+};
+
+} // namespace
+
+std::vector<FlatFace> find_flat_faces(const Points& samples, const FlatFaceOptions& options, const Progress& progress)
+{
+    if (int(samples.size()) < options.fewest_samples)
+        return {};
+    return FlatFaceFinder(samples, options).find(progress);
+}
+
+} // namespace recon

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <array>
+#include <vector>
+
+namespace recon
+{
+
+/// Options of find_flat_faces(). A rim spacing is the distance of a sample to its second nearest.
+struct FlatFaceOptions
+{
+    double tolerance = 0.01; ///< Samples of a plane lie this near to it [rim spacings], > 0.
+    double noise = 0;        ///< Standard deviation of the samples' noise [length], >= 0; tolerances grow with it.
+    int fewest_samples = 12; ///< A plane that counts has as many [count], >= 4.
+    int threads = 1;
+};
+
+/// Flat part of a surface that carries samples on its rims only, as coarse CAD models have them.
+struct FlatFace
+{
+    Vector normal; ///< Of unit length; which side is outside is not known.
+    std::vector<std::array<int, 3>>
+        triangles;        ///< Indices of samples; counter-clockwise seen from where `normal` points.
+    std::vector<int> rim; ///< Its samples that border on what is no face of this plane, ascending.
+};
+
+/// Finds planes that hold many samples and bare ground between them, and tells face from void by parity: seen in its
+/// plane, a rim has the face on one side only, and infinity is no face. A plane whose rims do not close, or a sheet of
+/// samples that crosses the plane, gives no face; nor does ground where the surface is not tangent to the plane (the
+/// disc in the mouth of a bowl). Well sampled clouds have none. \param samples distinct, of unit scale (UnitFrame).
+/// \throws Cancelled.
+std::vector<FlatFace> find_flat_faces(const Points& samples, const FlatFaceOptions& options = {},
+                                      const Progress& progress = {});
+
+} // namespace recon

@@ -1,0 +1,245 @@
+#include "planar_faces.h"
+
+#include <recon/delaunay.h>
+#include <recon/disjoint_sets.h>
+#include <recon/geometry.h>
+#include <recon/signed_labelling.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+/// Share of contradictions above which the regions do not alternate.
+constexpr double contradictory = 0.05;
+/// A closed rim has as many points: noise makes smaller loops within one.
+constexpr int fewest_in_loop = 6;
+/// A point both of whose edges are longer than so many medians lies on no rim, where strays are expected.
+constexpr double far_from_rim = 4;
+
+/// Planar Delaunay triangulation: what an apex beyond the plane sees, since a sphere through the apex and a triangle
+/// meets the plane in the triangle's circumcircle.
+class PlanarTriangulation
+{
+public:
+    explicit PlanarTriangulation(const std::vector<Eigen::Vector2d>& points) : apex_(int(points.size()))
+    {
+        for (const Eigen::Vector2d& p : points)
+            points_.emplace_back(p.x(), p.y(), 0);
+        points_.emplace_back(0, 0, 1);
+        cells_ = triangulate_delaunay(points_);
+    }
+
+    int triangles() const { return cells_.finite_cells; }
+    /// What lies around the convex hull, as a neighbour.
+    int outside() const { return cells_.finite_cells; }
+    double length(int a, int b) const { return (points_[a] - points_[b]).norm(); }
+
+    std::array<int, 3> triangle(int t) const
+    {
+        std::array<int, 3> result;
+        int k = 0;
+        for (const int v : cells_.cells[t].vertices)
+            if (v != apex_)
+                result[k++] = v;
+        const Vector u = points_[result[1]] - points_[result[0]], v = points_[result[2]] - points_[result[0]];
+        if (u.cross(v).z() < 0)
+            std::swap(result[1], result[2]);
+        return result;
+    }
+
+    /// Calls call(a, b, triangle, neighbour) with a < b for every edge once.
+    template <class Call>
+    void for_edges(Call&& call) const
+    {
+        for (int t = 0; t < triangles(); ++t)
+        {
+            const auto& cell = cells_.cells[t];
+            for (int i = 0; i < 4; ++i)
+            {
+                const int neighbour = std::min(cell.neighbours[i], outside());
+                if (cell.vertices[i] == apex_ || neighbour < t)
+                    continue;
+                int ends[2], k = 0;
+                for (int j = 0; j < 4; ++j)
+                    if (j != i && cell.vertices[j] != apex_)
+                        ends[k++] = cell.vertices[j];
+                call(std::min(ends[0], ends[1]), std::max(ends[0], ends[1]), t, neighbour);
+            }
+        }
+    }
+
+    /// Angle at which a triangle's circumcentre sees an edge; 0 from outside.
+    double angle_at(int t, int a, int b) const
+    {
+        if (t == outside())
+            return 0;
+        const Vector u = points_[a] - cells_.centres[t], v = points_[b] - cells_.centres[t];
+        return std::atan2(std::abs(u.x() * v.y() - u.y() * v.x()), u.x() * v.x() + u.y() * v.y());
+    }
+
+private:
+    int apex_;
+    Points points_;
+    Triangulation cells_;
+};
+
+struct Rims
+{
+    std::set<std::pair<int, int>> edges;
+    std::vector<std::vector<int>> mates; ///< Per point: its two neighbours, or fewer.
+};
+
+Rims join_rims(const PlanarTriangulation& planar, int points)
+{
+    struct Edge
+    {
+        double length;
+        int a, b;
+        bool operator<(const Edge& other) const
+        {
+            return std::make_pair(length, std::make_pair(a, b)) <
+                   std::make_pair(other.length, std::make_pair(other.a, other.b));
+        }
+    };
+    std::vector<Edge> crust, others;
+    planar.for_edges(
+        [&](int a, int b, int t, int neighbour)
+        {
+            const bool is_crust = planar.angle_at(t, a, b) + planar.angle_at(neighbour, a, b) < pi;
+            (is_crust ? crust : others).push_back({planar.length(a, b), a, b});
+        });
+    DisjointSets chains{std::size_t(points)};
+    std::vector<int> size(std::size_t(points), 1);
+    Rims result;
+    result.mates.resize(std::size_t(points));
+    for (auto* edges : {&crust, &others})
+    {
+        std::sort(edges->begin(), edges->end());
+        for (const Edge& e : *edges)
+            if (result.mates[e.a].size() < 2 && result.mates[e.b].size() < 2 &&
+                (chains.find(e.a) != chains.find(e.b) || size[chains.find(e.a)] >= fewest_in_loop))
+            {
+                const int both = size[chains.find(e.a)] + size[chains.find(e.b)];
+                if (chains.join(e.a, e.b))
+                    size[chains.find(e.a)] = both;
+                result.mates[e.a].push_back(e.b);
+                result.mates[e.b].push_back(e.a);
+                result.edges.insert({e.a, e.b});
+            }
+    }
+    return result;
+}
+
+std::vector<int> list_strays(const PlanarTriangulation& planar, const Rims& rims, bool expected)
+{
+    std::vector<double> lengths;
+    for (const auto& e : rims.edges)
+        lengths.push_back(planar.length(e.first, e.second));
+    double limit = 1e300;
+    if (expected && !lengths.empty())
+    {
+        const auto middle = lengths.begin() + std::ptrdiff_t(lengths.size() / 2);
+        std::nth_element(lengths.begin(), middle, lengths.end());
+        limit = far_from_rim * *middle;
+    }
+    std::vector<int> result;
+    for (int v = 0; v < int(rims.mates.size()); ++v)
+    {
+        const auto& mates = rims.mates[v];
+        if (mates.size() < 2 || std::min(planar.length(v, mates[0]), planar.length(v, mates[1])) > limit)
+            result.push_back(v);
+    }
+    return result;
+}
+
+std::vector<PlanarFace> fill_by_parity(const PlanarTriangulation& planar, const Rims& rims)
+{
+    SignedGraph graph;
+    graph.nodes = planar.triangles() + 1;
+    graph.is_root.assign(std::size_t(graph.nodes), 0);
+    graph.is_root[planar.outside()] = 1;
+    DisjointSets regions(std::size_t(graph.nodes));
+    planar.for_edges(
+        [&](int a, int b, int t, int neighbour)
+        {
+            if (rims.edges.count({a, b}) > 0)
+                graph.edges.push_back({t, neighbour, -1});
+            else if (regions.join(t, neighbour))
+                graph.merged.push_back({t, neighbour});
+        });
+    const std::vector<Side> labels = label_by_contraction(graph);
+    if (measure_violated_repulsion(graph.edges, labels).share() > contradictory)
+        return {};
+    std::map<int, PlanarFace> faces;
+    for (int t = 0; t < planar.triangles(); ++t)
+        if (labels[t] == Side::inner)
+            faces[regions.find(t)].triangles.push_back(planar.triangle(t));
+    planar.for_edges(
+        [&](int a, int b, int t, int neighbour)
+        {
+            if (rims.edges.count({a, b}) == 0)
+                return;
+            for (const int side : {t, neighbour})
+                if (labels[side] == Side::inner)
+                {
+                    auto& rim = faces[regions.find(side)].rim;
+                    rim.insert(rim.end(), {a, b});
+                }
+        });
+    std::vector<PlanarFace> result;
+    for (auto& face : faces)
+    {
+        auto& rim = face.second.rim;
+        std::sort(rim.begin(), rim.end());
+        rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+        result.push_back(std::move(face.second));
+    }
+    return result;
+}
+
+} // namespace
+
+std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& points, double strays)
+{
+    std::vector<int> kept(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        kept[i] = int(i);
+    const double fewest = (1 - strays) * double(points.size());
+    while (kept.size() >= 3 && double(kept.size()) >= fewest)
+    {
+        std::vector<Eigen::Vector2d> present;
+        for (const int i : kept)
+            present.push_back(points[i]);
+        const PlanarTriangulation planar(present);
+        const Rims rims = join_rims(planar, int(present.size()));
+        const std::vector<int> left_out = list_strays(planar, rims, strays > 0);
+        if (left_out.empty())
+        {
+            std::vector<PlanarFace> faces = fill_by_parity(planar, rims);
+            for (PlanarFace& face : faces)
+            {
+                for (auto& t : face.triangles)
+                    t = {kept[t[0]], kept[t[1]], kept[t[2]]};
+                for (int& v : face.rim)
+                    v = kept[v];
+            }
+            return faces;
+        }
+        for (auto v = left_out.rbegin(); v != left_out.rend(); ++v)
+            kept.erase(kept.begin() + *v);
+    }
+    return {};
+}
+
+} // namespace recon

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <vector>
+
+namespace recon
+{
+
+/// Face in a plane, bounded by closed rims.
+struct PlanarFace
+{
+    std::vector<std::array<int, 3>> triangles; ///< Indices of points, counter-clockwise.
+    std::vector<int> rim;                      ///< Points on its rims, ascending.
+};
+
+/// Joins points that lie on closed curves (the rims) and fills every second region from infinity inwards.
+///
+/// Rims: edges of the one-step crust (Gold and Snoeyink 2001: the circle through the ends of a Delaunay edge and one
+/// Voronoi vertex beside it does not hold the other), then what closes gaps; the shortest first, two at most at a
+/// point. A straight rim needs no points between its ends. \param points distinct, of unit scale. \param strays share
+/// of the points that may lie on no rim and are left out [0..1]. \returns no face if more do not.
+std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& points, double strays);
+
+} // namespace recon
