@@ -56,6 +56,7 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options&
         {"balls_kept", crust.balls_kept},
         {"denoised", crust.denoised},
         {"samples", crust.samples},
+        {"completed", crust.completed},
         {"outliers", crust.outliers},
         {"cleanness", crust.cleanness},
         {"violated_votes", crust.violated_votes},

@@ -46,6 +46,7 @@ struct PreparedSamples
     Points samples;                     ///< In the unit frame: `distinct`, or cleaned.
     Vectors normals;                    ///< Outward, one per sample if denoised, else empty.
     int outliers = 0;                   ///< Points left out [count].
+    int completed = 0; ///< Samples put on bare flat faces, the last of `samples` [count].
     double noise = 0;                   ///< Standard deviation, given or estimated [input units].
 };
 

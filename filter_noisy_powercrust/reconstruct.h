@@ -38,7 +38,8 @@ struct NoisyPowerCrust
     double noise = 0;                ///< Standard deviation of the noise, estimated or given [length].
     double smallest_ball = 0;        ///< Radius of the smallest polar ball kept [length].
     bool denoised = false;           ///< Whether the samples were projected and thinned first.
-    int samples = 0;                 ///< Samples the crust was made of: points_used, or fewer after thinning [count].
+    int samples = 0;                 ///< Samples the crust was made of: points_used, or fewer after thinning, and `completed` [count].
+    int completed = 0;               ///< Samples put on flat faces that had none but on their rims [count].
     int outliers = 0;                ///< Points far from any surface, left out when denoising [count].
     int balls_kept = 0;              ///< [count]
     double violated_votes = 0;       ///< Share of the samples' vote weight that the labels contradict [0..1].

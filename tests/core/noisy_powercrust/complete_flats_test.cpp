@@ -1,0 +1,192 @@
+#include "filter_noisy_powercrust/complete_flats.h"
+#include "filter_noisy_powercrust/planar_faces.h"
+#include "filter_noisy_powercrust/prepare_samples.h"
+#include "filter_noisy_powercrust/reconstruct.h"
+
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace recon;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+
+void append_ring(Points& points, double x, double y, double z, double radius, int count)
+{
+    for (int k = 0; k < count; ++k)
+    {
+        const double angle = 2 * pi * k / count;
+        points.emplace_back(x + radius * std::cos(angle), y + radius * std::sin(angle), z);
+    }
+}
+
+constexpr double outer = 0.45, hub = 0.2, bore = 0.03, thickness = 0.06;
+constexpr int bores = 4;
+
+/// A washer with bores, sampled on its rims only, as a CAD program writes it.
+Points flange()
+{
+    Points points;
+    for (const double z : {0.0, thickness})
+    {
+        append_ring(points, 0, 0, z, outer, 150);
+        append_ring(points, 0, 0, z, hub, 70);
+        for (int k = 0; k < bores; ++k)
+            append_ring(points, 0.33 * std::cos(pi / 2 * k), 0.33 * std::sin(pi / 2 * k), z, bore, 18);
+    }
+    return points;
+}
+
+bool is_ground(const Point& p)
+{
+    const double r = std::hypot(p.x(), p.y());
+    bool result = r < outer && r > hub;
+    for (int k = 0; k < bores; ++k)
+        result = result &&
+                 std::hypot(p.x() - 0.33 * std::cos(pi / 2 * k), p.y() - 0.33 * std::sin(pi / 2 * k)) > 0.98 * bore;
+    return result;
+}
+
+} // namespace
+
+TEST(FillPlanarRims, FillsEverySecondRegion)
+{
+    Points ring;
+    for (const double radius : {0.1, 0.2, 0.3, 0.4})
+        append_ring(ring, 0.02, 0, 0, radius, 60);
+    std::vector<Eigen::Vector2d> points;
+    for (const Point& p : ring)
+        points.emplace_back(p.x(), p.y());
+    const auto faces = fill_planar_rims(points, 0);
+    ASSERT_EQ(faces.size(), 2u);
+    double area = 0;
+    for (const PlanarFace& face : faces)
+        for (const auto& t : face.triangles)
+        {
+            const Eigen::Vector2d u = points[t[1]] - points[t[0]], v = points[t[2]] - points[t[0]];
+            EXPECT_GT(u.x() * v.y() - u.y() * v.x(), 0);
+            area += 0.5 * (u.x() * v.y() - u.y() * v.x());
+        }
+    EXPECT_NEAR(area, pi * (0.16 - 0.09 + 0.04 - 0.01), 0.01);
+}
+
+TEST(FillPlanarRims, LeavesOutStraysOnlyIfTold)
+{
+    Points ring;
+    append_ring(ring, 0, 0, 0, 0.2, 60);
+    append_ring(ring, 0, 0, 0, 0.4, 120);
+    std::vector<Eigen::Vector2d> points;
+    for (const Point& p : ring)
+        points.emplace_back(p.x(), p.y());
+    points.emplace_back(0.03, 0.02);
+    EXPECT_TRUE(fill_planar_rims(points, 0).empty());
+    ASSERT_EQ(fill_planar_rims(points, 0.1).size(), 1u);
+    EXPECT_EQ(fill_planar_rims(points, 0.1).front().rim.size(), 180u);
+}
+
+TEST(FillPlanarRims, NoFaceThroughAGap)
+{
+    Points ring;
+    append_ring(ring, 0, 0, 0, 0.4, 120);
+    std::vector<Eigen::Vector2d> points;
+    for (const Point& p : ring)
+        points.emplace_back(p.x(), p.y());
+    points.emplace_back(0, 0); // an end of no rim
+    EXPECT_TRUE(fill_planar_rims(points, 0).empty());
+    EXPECT_TRUE(fill_planar_rims({}, 0).empty());
+    EXPECT_TRUE(fill_planar_rims({{0, 0}, {0.1, 0}, {0.2, 0}}, 0.1).empty());
+}
+
+TEST(CompleteFlats, PutsSamplesOnFacesAndStraightWallsOnly)
+{
+    const Points points = flange();
+    const FlatCompletion completion = complete_flats(points, {});
+    EXPECT_EQ(completion.faces, 2);
+    EXPECT_TRUE(completion.normals.empty());
+    int on_faces = 0;
+    for (const Point& p : completion.points)
+    {
+        const bool on_face = std::min(std::abs(p.z()), std::abs(p.z() - thickness)) < 1e-9;
+        on_faces += on_face;
+        // Walls: polygons with their corners on the circles.
+        EXPECT_TRUE(on_face ? is_ground(p) : p.z() > 0 && p.z() < thickness) << p.transpose();
+    }
+    EXPECT_GT(on_faces, 300);
+    EXPECT_GT(int(completion.points.size()) - on_faces, 300);
+}
+
+TEST(CompleteFlats, NormalsFaceAsThoseOfTheRims)
+{
+    const Points points = flange();
+    Vectors normals;
+    for (const Point& p : points)
+        normals.push_back(
+            (Vector(p.x(), p.y(), 0).normalized() * 0.5 + Vector(0, 0, p.z() > 0.01 ? 1 : -1)).normalized());
+    const FlatCompletion completion = complete_flats(points, normals);
+    ASSERT_EQ(completion.normals.size(), completion.points.size());
+    for (std::size_t i = 0; i < completion.points.size(); ++i)
+    {
+        const double z = completion.points[i].z();
+        EXPECT_NEAR(completion.normals[i].norm(), 1, 1e-12);
+        EXPECT_NEAR(completion.normals[i].z(), z > thickness - 1e-9 ? 1 : z < 1e-9 ? -1 : 0, 1e-6);
+    }
+}
+
+TEST(CompleteFlats, LeavesWellSampledCloudsAlone)
+{
+    EXPECT_TRUE(complete_flats(shapes::box(6000, Vector(0.6, 0.5, 0.4), 3).points, {}).points.empty());
+    EXPECT_TRUE(complete_flats(shapes::torus(5000, 0.35, 0.12, 2).points, {}).points.empty());
+    EXPECT_TRUE(complete_flats(shapes::sphere(3000, 0.5, 1).points, {}).points.empty());
+    EXPECT_TRUE(complete_flats({}, {}).points.empty());
+    EXPECT_TRUE(complete_flats(Points(20, Point::Zero()), {}).points.empty());
+}
+
+TEST(CompleteFlats, DoesNotCloseTheMouthOfABowl)
+{
+    // Two circles in the plane of the mouth, and the bowl between them below.
+    Points points;
+    for (int k = 0; k <= 30; ++k)
+        append_ring(points, 0, 0, -0.35 * std::sin(pi / 2 * k / 30), 0.01 + 0.39 * std::cos(pi / 2 * k / 30), 90);
+    EXPECT_EQ(complete_flats(points, {}).faces, 0);
+}
+
+TEST(CompleteFlats, SameForAnyNumberOfThreads)
+{
+    FlatFaceOptions one, two;
+    one.threads = 1;
+    two.threads = 2;
+    const FlatCompletion a = complete_flats(flange(), {}, one), b = complete_flats(flange(), {}, two);
+    ASSERT_EQ(a.points.size(), b.points.size());
+    for (std::size_t i = 0; i < a.points.size(); ++i)
+        EXPECT_EQ(a.points[i], b.points[i]);
+}
+
+TEST(CompleteFlats, CrustOfAFlangeHasItsBores)
+{
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(flange());
+    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 1 + bores);
+    const double area = pi * (outer * outer - hub * hub - bores * bore * bore);
+    EXPECT_NEAR(report.volume / (area * thickness), 1, 0.03);
+    EXPECT_GT(crust.completed, 0);
+    EXPECT_EQ(crust.samples, crust.points_used + crust.completed);
+}
+
+TEST(CompleteFlats, PointsAsTheyAreStayAsTheyAre)
+{
+    SamplePreparationOptions options;
+    PhaseTimes times;
+    EXPECT_GT(prepare_samples(flange(), options, times).completed, 0);
+    options.denoise = Denoise::off;
+    EXPECT_EQ(prepare_samples(flange(), options, times).completed, 0);
+    EXPECT_EQ(prepare_samples(flange(), options, times).samples.size(), flange().size());
+}
