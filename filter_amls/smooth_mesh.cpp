@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+
 namespace recon
 {
 
@@ -17,9 +19,10 @@ int smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, con
     std::vector<double> share(n, 1);
     for (std::size_t v = 0; v < n; ++v)
     {
-        // The two sides of a thin wall are each other's nearest surface: a vertex that would cross over stays.
+        // Farther than noise and spacing explain, the surface is extrapolated over a bare flat, or the other side of a wall.
         const double moved = (projected.points[v] - mesh.vertices[v]).norm();
-        if (projected.status[v] != ProjectionStatus::converged || !(moved < 1.5 * projected.widths[v]))
+        const double explained = std::max(projected.spacings[v], 3 * surface.report().noise);
+        if (projected.status[v] != ProjectionStatus::converged || !(moved < explained))
             share[v] = 0;
     }
     const auto position = [&](int v) -> Point

@@ -1,5 +1,7 @@
 #include "filter_noisy_powercrust/reconstruct.h"
 
+#include "filter_amls/smooth_mesh.h"
+
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
@@ -226,6 +228,27 @@ TEST(NoisyPowerCrust, PapersRuleAndFixedThresholdWork)
     EXPECT_EQ(crust.genus, 1);
     options.noise = 0.01;
     EXPECT_EQ(reconstruct_noisy_power_crust(points, options).noise, 0.01);
+}
+
+TEST(NoisyPowerCrust, SmoothingMovesVerticesNoFartherThanNoiseAndSpacing)
+{
+    const Points cloud = shapes::with_noisy_copies(shapes::sphere(3000, 1, 1).points, 0.01, 4, 2);
+    const AmlsSurface surface = build_amls_surface(cloud);
+    TriangleMesh mesh = reconstruct_noisy_power_crust(cloud).mesh;
+    const double noise = surface.report().noise, spacing = surface.report().spacing;
+    // Every tenth vertex is off by what noise explains, every tenth by what it does not.
+    const double near = 2 * noise, far = 1.3 * std::max(spacing, 3 * noise);
+    for (std::size_t v = 0; v < mesh.vertices.size(); v += 5)
+        mesh.vertices[v] *= 1 + (v % 10 == 0 ? near : far);
+    const Points before = mesh.vertices;
+    smooth_mesh(mesh, surface, 1);
+    int stayed = 0, returned = 0, tenth = 0;
+    for (std::size_t v = 0; v < before.size(); v += 10, ++tenth)
+        returned += std::abs(mesh.vertices[v].norm() - 1) < noise;
+    for (std::size_t v = 5; v < before.size(); v += 10)
+        stayed += mesh.vertices[v] == before[v];
+    EXPECT_GT(returned, 0.95 * tenth);
+    EXPECT_GT(stayed, 0.9 * tenth);
 }
 
 TEST(NoisyPowerCrust, RefusesWhatItCannotUse)
