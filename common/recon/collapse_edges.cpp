@@ -2,7 +2,6 @@
 
 #include <recon/crust_mesh.h>
 #include <recon/parallel.h>
-#include <recon/weld_clusters.h>
 
 #include <Eigen/Geometry>
 
@@ -16,6 +15,8 @@ namespace recon
 namespace
 {
 
+/// Triangles on an edge shorter than this have no direction to keep [scale].
+constexpr double coinciding = 1e-3;
 /// Fans of more triangles are slivers again.
 constexpr int most_neighbours = 40;
 /// Vertices of a block lie side by side, as the crust's are numbered along a space-filling curve.
@@ -238,7 +239,7 @@ private:
                 block.crossing.push_back(h);
                 return 0;
             }
-            if (keeps_topology(around) && (length2 < cluster_length * cluster_length || keeps_directions(a, b, around)))
+            if (keeps_topology(around) && (length2 < coinciding * coinciding || keeps_directions(a, b, around)))
             {
                 collapse(h, around, c, block);
                 return 1;

@@ -8,11 +8,11 @@
 namespace recon
 {
 
-/// Edges shorter than this, relative to the scale, join the corners of one sample's cluster; their triangles have no direction
-/// to keep.
-constexpr double cluster_length = 1e-3;
+/// Edges shorter than this, relative to the scale, join the corners of one sample's cluster. At 0.1 the mesh gets no better and
+/// bad clusters cost more than they save.
+constexpr double cluster_length = 0.05;
 
-/// Crust of which corners that all but coincide are one vertex.
+/// Crust of which corners that crowd at one sample are one vertex.
 struct WeldedCrust
 {
     TriangleMesh mesh;
@@ -21,8 +21,8 @@ struct WeldedCrust
     std::vector<int> merged;   ///< Per vertex: corners of the polygons that it stands for.
 };
 
-/// Makes one vertex of each cluster of neighbouring corners that all but coincide, where the surface stays what it was, and
-/// triangulates the rest: at a clean sample some ten corners of the power diagram meet. To take them together before polygons
+/// Makes one vertex of each cluster of neighbouring corners that crowd at one sample, where the surface stays what it was, and
+/// triangulates the rest: at a clean sample some ten corners of the power diagram all but coincide. To take them together before polygons
 /// become triangles is much faster than to collapse their edges one by one.
 /// A cluster is welded if it is a disc (vertices - edges + faces = 1) and no edge gets more than two triangles by it, so the
 /// result is a closed oriented manifold of the same topology.
