@@ -291,7 +291,7 @@ private:
             const double share = double(colour.size()) / double(level_.leaves.size());
             parallel_for(
                 colour.size(), threads_, progress.part(0.05 + 0.85 * done, 0.05 + 0.85 * (done + share), progress_name),
-                [&](std::size_t k) { refine_leaf(step, colour[k]); }, 4);
+                [&](std::size_t k) { refine_leaf(step, colour[k]); }, 1);
             done += share;
         }
 
