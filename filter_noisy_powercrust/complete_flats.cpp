@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 namespace recon
@@ -17,6 +18,41 @@ namespace
 /// of distance.
 constexpr double share_of_rim_spacing = 0.7, growth = 0.15;
 
+Points points_of(const std::vector<int>& indices, const Points& points)
+{
+    Points result;
+    for (const int i : indices)
+        result.push_back(points[i]);
+    return result;
+}
+
+/// A face with its outer side told, and where its rim runs. Stays where it was made: `search` refers to `rim`.
+struct OrientedFace
+{
+    OrientedFace(FlatFace found, const Points& samples, const Vectors& normals)
+        : face(std::move(found)), rim(points_of(face.rim, samples)), search(rim)
+    {
+        double along = 0;
+        for (const int v : face.rim)
+            along += normals.empty() ? 0 : normals[v].dot(face.normal);
+        normal = along < 0 ? Vector(-face.normal) : face.normal;
+        for (const Point& p : rim)
+        {
+            int indices[3];
+            double squared[3];
+            const int count = search.nearest(p, 3, indices, squared);
+            spacing.push_back(std::sqrt(squared[count - 1]));
+        }
+    }
+    OrientedFace(const OrientedFace&) = delete;
+
+    FlatFace face;
+    Points rim;
+    NeighbourSearch search;
+    Vector normal;               ///< Outward if the samples had normals.
+    std::vector<double> spacing; ///< Per rim sample: distance to the second nearest of the rim.
+};
+
 /// Where a new sample may go, and how far it keeps from others.
 struct Candidate
 {
@@ -27,24 +63,14 @@ struct Candidate
 class FaceFiller
 {
 public:
-    FaceFiller(const Points& samples, const NeighbourSearch& search) : samples_(samples), search_(search) {}
-
-    Points fill(const FlatFace& face)
+    FaceFiller(const Points& samples, const NeighbourSearch& search, const OrientedFace& face)
+        : samples_(samples), search_(search), face_(face)
     {
-        rim_.clear();
-        spacing_.clear();
-        for (const int v : face.rim)
-        {
-            int indices[3];
-            double squared[3];
-            const int found = search_.nearest(samples_[v], 3, indices, squared);
-            rim_.push_back(samples_[v]);
-            spacing_.push_back(std::sqrt(squared[found - 1]));
-        }
-        const NeighbourSearch rim_search(rim_);
-        rim_search_ = &rim_search;
-        candidates_.clear();
-        for (const auto& t : face.triangles)
+    }
+
+    Points fill()
+    {
+        for (const auto& t : face_.face.triangles)
             divide(samples_[t[0]], samples_[t[1]], samples_[t[2]], 0);
         return thin();
     }
@@ -58,13 +84,13 @@ private:
         const Point centre = (a + b + c) / 3;
         int nearest;
         double squared;
-        rim_search_->nearest(centre, 1, &nearest, &squared);
+        face_.search.nearest(centre, 1, &nearest, &squared);
         const double distance = std::sqrt(squared);
-        const double radius = share_of_rim_spacing * spacing_[nearest] + growth * distance;
+        const double radius = share_of_rim_spacing * face_.spacing[nearest] + growth * distance;
         if (sides[longest] <= 0.25 * radius * radius || depth > 24)
         {
             if (distance > 0.8 * radius)
-                candidates_.push_back({centre, radius});
+                candidates_.push_back({centre - face_.normal.dot(centre - face_.face.origin) * face_.normal, radius});
             return;
         }
         if (longest == 0)
@@ -110,76 +136,129 @@ private:
 
     const Points& samples_;
     const NeighbourSearch& search_;
-    Points rim_;
-    std::vector<double> spacing_; ///< Per rim sample.
-    const NeighbourSearch* rim_search_ = nullptr;
+    const OrientedFace& face_;
     std::vector<Candidate> candidates_;
 };
 
 /// Cosine of the steepest slant of a wall against the normals of the faces that it joins.
 const double straight = std::cos(15 * 3.14159265358979323846 / 180);
 
-/// Where a wall may start: a rim sample of a flat face.
-struct WallFoot
-{
-    int sample, face;
-    int top = -1; ///< Position of the nearest foot of another face straight above or below.
-};
-
 /// Samples on walls that rise straight from the rim of one face to the rim of another: extruded shapes and bores carry
 /// samples at both ends only.
-Points fill_walls(const Points& samples, const NeighbourSearch& search, const std::vector<FlatFace>& faces,
-                  std::vector<std::array<int, 2>>& ends)
+class WallFiller
 {
-    std::vector<WallFoot> feet;
-    for (int f = 0; f < int(faces.size()); ++f)
-        for (const int v : faces[f].rim)
-            feet.push_back({v, f});
-    for (WallFoot& foot : feet)
+public:
+    WallFiller(const NeighbourSearch& search, const Points& samples, const std::deque<OrientedFace>& faces)
+        : search_(search), samples_(samples), faces_(faces), uses_(samples.size(), 0)
     {
-        double least = 1e300;
-        for (int j = 0; j < int(feet.size()); ++j)
-        {
-            if (feet[j].face == foot.face)
-                continue;
-            const Vector offset = samples[feet[j].sample] - samples[foot.sample];
-            const double squared = offset.squaredNorm();
-            if (squared < least && squared > 0 &&
-                std::abs(offset.dot(faces[foot.face].normal)) > straight * std::sqrt(squared) &&
-                std::abs(offset.dot(faces[feet[j].face].normal)) > straight * std::sqrt(squared))
+        for (const OrientedFace& face : faces)
+            for (const int v : face.face.rim)
+                ++uses_[v];
+    }
+
+    void fill(FlatCompletion& result, bool with_normals)
+    {
+        for (int f = 0; f < int(faces_.size()); ++f)
+            for (int v = 0; v < int(faces_[f].rim.size()); ++v)
             {
-                least = squared;
-                foot.top = j;
+                if (meets_face(f, v))
+                    continue;
+                const Foot foot = {f, v}, top = find_top(foot);
+                // Once from the side of the sparser rim, or for each of two that are not above each other.
+                if (top.face < 0 || (is_same(find_top(top), foot) && top.face < f))
+                    continue;
+                raise(foot, top, with_normals);
             }
+        // Walls may meet: the side of a box is one in two directions.
+        const NeighbourSearch among(positions_);
+        std::vector<char> is_taken(positions_.size(), 0);
+        std::vector<int> near;
+        for (std::size_t k = 0; k < positions_.size(); ++k)
+        {
+            if (is_taken[k])
+                continue;
+            among.within(positions_[k], radii_[k], near);
+            for (const int other : near)
+                is_taken[other] = 1;
+            result.points.push_back(positions_[k]);
+            if (with_normals)
+                result.normals.push_back(normals_[k]);
         }
     }
-    Points result;
-    for (int i = 0; i < int(feet.size()); ++i)
+
+private:
+    struct Foot
     {
-        const int j = feet[i].top;
-        if (j < i || feet[j].top != i)
-            continue;
-        const Point &a = samples[feet[i].sample], &b = samples[feet[j].sample];
-        double spacing = 1e300;
-        for (const Point& p : {a, b})
+        int face = -1, rim = -1;
+    };
+    static bool is_same(const Foot& a, const Foot& b) { return a.face == b.face && a.rim == b.rim; }
+    const Point& position(const Foot& foot) const { return faces_[foot.face].rim[foot.rim]; }
+
+    /// Whether the surface goes on as another flat face.
+    bool meets_face(int face, int rim) const { return uses_[faces_[face].face.rim[rim]] > 1; }
+
+    /// Nearest rim sample of another face straight above or below.
+    Foot find_top(const Foot& foot) const
+    {
+        const Point& p = position(foot);
+        const OrientedFace& own = faces_[foot.face];
+        Foot result;
+        double least = 1e300;
+        for (int f = 0; f < int(faces_.size()); ++f)
         {
-            int indices[3];
-            double squared[3];
-            const int found = search.nearest(p, 3, indices, squared);
-            spacing = std::min(spacing, std::sqrt(squared[found - 1]));
+            const OrientedFace& other = faces_[f];
+            if (f == foot.face || std::abs(own.normal.dot(other.normal)) < straight)
+                continue;
+            const double height = (other.rim.front() - p).dot(own.normal);
+            const int nearest = other.search.nearest(p + height * own.normal);
+            const Vector offset = other.rim[nearest] - p;
+            const double squared = offset.squaredNorm();
+            if (squared < least && squared > 0 && !meets_face(f, nearest) &&
+                std::abs(offset.dot(own.normal)) > straight * std::sqrt(squared))
+            {
+                least = squared;
+                result = {f, nearest};
+            }
         }
+        return result;
+    }
+
+    /// Off the face where the solid lies below it, over the face where a wall stands on it.
+    Vector wall_normal(const Foot& foot, const Vector& up) const
+    {
+        const OrientedFace& own = faces_[foot.face];
+        return (own.normal.dot(up) < 0 ? 1 : -1) * own.face.away[foot.rim];
+    }
+
+    void raise(const Foot& foot, const Foot& top, bool with_normals)
+    {
+        const Point &a = position(foot), &b = position(top);
+        const double spacing = std::min(faces_[foot.face].spacing[foot.rim], faces_[top.face].spacing[top.rim]);
+        const Vector up = (b - a).normalized();
+        const Vector normal = wall_normal(foot, up) + wall_normal(top, -up);
+        const Vector level = normal - normal.dot(up) * up;
+        if (with_normals && level.norm() < 0.5)
+            return;
         const int pieces = int(std::ceil((b - a).norm() / spacing));
         for (int k = 1; k < pieces; ++k)
         {
             const Point p = a + (b - a) * (double(k) / pieces);
-            if ((samples[search.nearest(p)] - p).norm() < 0.5 * spacing)
+            if ((samples_[search_.nearest(p)] - p).norm() < 0.5 * spacing)
                 continue;
-            result.push_back(p);
-            ends.push_back({feet[i].sample, feet[j].sample});
+            positions_.push_back(p);
+            radii_.push_back(0.5 * spacing);
+            normals_.push_back(with_normals ? Vector(level.normalized()) : Vector(Vector::Zero()));
         }
     }
-    return result;
-}
+
+    const NeighbourSearch& search_;
+    const Points& samples_;
+    const std::deque<OrientedFace>& faces_;
+    std::vector<int> uses_; ///< Per sample: faces that it bounds.
+    Points positions_;      ///< New samples before thinning, and how far they keep from each other.
+    std::vector<double> radii_;
+    Vectors normals_;
+};
 
 } // namespace
 
@@ -187,41 +266,24 @@ FlatCompletion complete_flats(const Points& samples, const Vectors& normals, con
                               const Progress& progress)
 {
     FlatCompletion result;
-    const std::vector<FlatFace> faces = find_flat_faces(samples, options, progress.part(0, 0.8, "flat faces"));
+    std::deque<OrientedFace> faces;
+    for (FlatFace& face : find_flat_faces(samples, options, progress))
+        faces.emplace_back(std::move(face), samples, normals);
+    result.faces = int(faces.size());
     if (faces.empty())
         return result;
     const NeighbourSearch search(samples);
-    FaceFiller filler(samples, search);
-    for (const FlatFace& face : faces)
+    for (const OrientedFace& face : faces)
     {
-        Vector normal = face.normal;
-        if (!normals.empty())
-        {
-            double along = 0;
-            for (const int v : face.rim)
-                along += normals[v].dot(face.normal);
-            if (along < 0)
-                normal = -normal;
-        }
-        const Points added = filler.fill(face);
+        const Points added = FaceFiller(samples, search, face).fill();
         result.points.insert(result.points.end(), added.begin(), added.end());
         if (!normals.empty())
-            result.normals.insert(result.normals.end(), added.size(), normal);
-        ++result.faces;
+            result.normals.insert(result.normals.end(), added.size(), face.normal);
     }
-    if (faces.size() > 1)
-    {
-        std::vector<std::array<int, 2>> ends;
-        const Points added = fill_walls(samples, search, faces, ends);
-        result.points.insert(result.points.end(), added.begin(), added.end());
-        if (!normals.empty())
-            for (std::size_t k = 0; k < added.size(); ++k)
-            {
-                const Vector along = (samples[ends[k][1]] - samples[ends[k][0]]).normalized();
-                const Vector sum = normals[ends[k][0]] + normals[ends[k][1]];
-                result.normals.push_back((sum - sum.dot(along) * along).normalized());
-            }
-    }
+    Points present = samples;
+    present.insert(present.end(), result.points.begin(), result.points.end());
+    const NeighbourSearch search_present(present);
+    WallFiller(search_present, present, faces).fill(result, !normals.empty());
     return result;
 }
 

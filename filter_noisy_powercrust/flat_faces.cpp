@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -27,6 +28,8 @@ constexpr double noisy_strays = 0.1;
 /// Half the thickness of a plane [noise]; thin ones lose rims, thick ones gain strays, so one after the other is tried.
 constexpr std::array<double, 3> noisy_tolerances = {3, 2, 1.5};
 constexpr double folded_rims = 0.2;
+/// Share of a disc's rim along which it meets one other face.
+constexpr double shared_rim = 0.7;
 /// Circumradius of a planar Delaunay triangle, in rim spacings, above which it is bare ground.
 constexpr double bare_above = 1.2;
 
@@ -39,6 +42,8 @@ struct Plane
     double height(const Point& p) const { return normal.dot(p - origin); }
     bool holds(const Point& p) const { return std::abs(height(p)) <= tolerance; }
 };
+
+using SeedPlanes = std::array<Plane, 3>;
 
 struct Neighbourhood
 {
@@ -90,6 +95,7 @@ public:
         for (std::size_t k = 0; options_.noise > 0 && k < noisy_tolerances.size(); ++k)
             find_at(noisy_tolerances[k] * options_.noise, seeds,
                     progress.part(double(k) / 3, double(k + 1) / 3, "flat faces"), faces);
+        drop_mouths(faces);
         return faces;
     }
 
@@ -97,39 +103,43 @@ private:
     void find_at(double tolerance, const std::vector<int>& seeds, const Progress& progress,
                  std::vector<FlatFace>& faces)
     {
-        std::vector<Plane> around_seed(seeds.size());
+        std::vector<SeedPlanes> around_seed(seeds.size());
         parallel_for(seeds.size(), options_.threads, progress.part(0, 0.7, "flat faces"),
                      [&](std::size_t k) { around_seed[k] = fit_around(seeds[k], tolerance); });
         std::vector<Plane> with_faces = planes_;
         for (std::size_t k = 0; k < seeds.size(); ++k)
         {
-            Plane plane = around_seed[k];
-            if (plane.tolerance == 0 || is_known(plane))
-                continue;
-            const std::vector<int> members = grow(plane);
-            if (int(members.size()) < options_.fewest_samples || is_known(plane))
-                continue;
-            planes_.push_back(plane);
-            const std::size_t before = faces.size();
-            append_faces(plane, members, faces);
-            if (faces.size() > before)
-                with_faces.push_back(plane);
+            for (Plane plane : around_seed[k])
+            {
+                if (plane.tolerance == 0 || is_known(plane))
+                    continue;
+                const std::vector<int> members = grow(plane);
+                if (int(members.size()) < options_.fewest_samples || is_known(plane))
+                    continue;
+                planes_.push_back(plane);
+                const std::size_t before = faces.size();
+                append_faces(plane, members, faces);
+                if (faces.size() > before)
+                    with_faces.push_back(plane);
+            }
             progress.part(0.7, 1, "flat faces").report(double(k) / double(seeds.size()));
         }
         // The others may close their rims at another tolerance.
         planes_ = std::move(with_faces);
     }
 
-    /// Plane of tolerance 0 if there is none, or no bare ground in it at the seed.
-    Plane fit_around(int seed, double tolerance) const
+    /// The planes that hold most of the samples around a seed, as many as meet at a corner; tolerance 0 where there is
+    /// none with bare ground at the seed.
+    SeedPlanes fit_around(int seed, double tolerance) const
     {
         const Point& p = samples_[seed];
         const Neighbourhood near = look_around(search_, p);
-        Plane best;
+        SeedPlanes best;
         if (near.count < fewest_around)
             return best;
         const double spacing = std::sqrt(near.squared[2]);
-        int most = fewest_around - 1;
+        std::array<int, std::tuple_size<SeedPlanes>::value> most;
+        most.fill(fewest_around - 1);
         Plane plane;
         plane.origin = p;
         plane.tolerance = std::max(options_.tolerance * spacing, tolerance);
@@ -145,23 +155,34 @@ private:
                 int count = 0;
                 for (int j = 0; j < near.count; ++j)
                     count += plane.holds(samples_[near.indices[j]]);
-                if (count > most)
+                // In the place of one that is nearly the same, else of the poorest.
+                std::size_t place = std::size_t(std::min_element(most.begin(), most.end()) - most.begin());
+                for (std::size_t k = 0; k < best.size(); ++k)
+                    if (std::abs(best[k].normal.dot(plane.normal)) > 0.95)
+                        place = k;
+                if (count > most[place])
                 {
-                    most = count;
-                    best = plane;
+                    most[place] = count;
+                    best[place] = plane;
                 }
             }
-        if (best.tolerance == 0)
-            return best;
-        const Vector first = best.normal.unitOrthogonal(), second = best.normal.cross(first);
+        for (Plane& found : best)
+            if (found.tolerance > 0 && !has_bare_ground(found, spacing))
+                found.tolerance = 0;
+        return best;
+    }
+
+    bool has_bare_ground(const Plane& plane, double spacing) const
+    {
+        const Vector first = plane.normal.unitOrthogonal(), second = plane.normal.cross(first);
         for (int k = 0; k < 8; ++k)
         {
             const double angle = k * 0.25 * pi;
-            const Point q = p + 4 * spacing * (std::cos(angle) * first + std::sin(angle) * second);
+            const Point q = plane.origin + 4 * spacing * (std::cos(angle) * first + std::sin(angle) * second);
             if ((samples_[search_.nearest(q)] - q).norm() > 3 * spacing)
-                return best;
+                return true;
         }
-        return Plane();
+        return false;
     }
 
     bool is_known(const Plane& plane) const
@@ -293,6 +314,55 @@ private:
         indices = std::move(left);
     }
 
+    void find_away(FlatFace& face) const
+    {
+        std::map<std::pair<int, int>, int> opposite; // -1 inside the face
+        for (const auto& t : face.triangles)
+            for (int i = 0; i < 3; ++i)
+            {
+                const auto added = opposite.insert({std::minmax(t[i], t[(i + 1) % 3]), t[(i + 2) % 3]});
+                if (!added.second)
+                    added.first->second = -1;
+            }
+        std::map<int, Vector> sums;
+        for (const auto& edge : opposite)
+        {
+            if (edge.second < 0)
+                continue;
+            const auto [a, b] = edge.first;
+            const Vector along = (samples_[b] - samples_[a]).normalized();
+            Vector off = samples_[a] - samples_[edge.second];
+            off = (off - off.dot(along) * along).normalized();
+            for (const int v : {a, b})
+                sums.insert({v, Vector::Zero()}).first->second += off;
+        }
+        for (const int v : face.rim)
+        {
+            const auto found = sums.find(v);
+            const double length = found == sums.end() ? 0 : found->second.norm();
+            face.away.push_back(length > 0.1 ? Vector(found->second / length) : Vector::Zero());
+        }
+    }
+
+    /// A disc may as well be the mouth of a hollow. It is a face where it meets one other face along its rim, as on a
+    /// polyhedron; at a mouth two others meet, or none is flat.
+    void drop_mouths(std::vector<FlatFace>& faces) const
+    {
+        std::vector<int> count(samples_.size(), 0);
+        for (const FlatFace& face : faces)
+            for (const int v : face.rim)
+                ++count[v];
+        const auto is_mouth = [&](const FlatFace& face)
+        {
+            // A face with holes has as many triangles as rim samples, or more.
+            if (face.triangles.size() >= face.rim.size())
+                return false;
+            const auto shared = std::count_if(face.rim.begin(), face.rim.end(), [&](int v) { return count[v] == 2; });
+            return options_.noise > 0 || double(shared) < shared_rim * double(face.rim.size());
+        };
+        faces.erase(std::remove_if(faces.begin(), faces.end(), is_mouth), faces.end());
+    }
+
     /// Whether some of the face lies far from its rim, in spacings of the rim.
     bool is_bare(const FlatFace& face) const
     {
@@ -326,15 +396,18 @@ private:
         for (const PlanarFace& planar : fill_planar_rims(flat, options_.noise > 0 ? noisy_strays : 0))
         {
             FlatFace face;
+            face.origin = plane.origin;
             face.normal = plane.normal;
             for (const auto& t : planar.triangles)
                 face.triangles.push_back({on_plane[t[0]], on_plane[t[1]], on_plane[t[2]]});
             for (const int v : planar.rim)
                 face.rim.push_back(on_plane[v]);
-            // A disc (two triangles fewer than rim samples) may as well be the mouth of a hollow.
-            if (face.triangles.size() >= face.rim.size() && int(face.rim.size()) >= options_.fewest_samples &&
-                is_bare(face) && measure_folds(plane, face) <= folded_rims)
+            if (int(face.rim.size()) >= options_.fewest_samples && is_bare(face) &&
+                measure_folds(plane, face) <= folded_rims)
+            {
+                find_away(face);
                 faces.push_back(std::move(face));
+            }
         }
     }
 

@@ -44,6 +44,26 @@ Points flange()
     return points;
 }
 
+/// A prism sampled along its edges only.
+Points prism(const std::vector<Eigen::Vector2d>& polygon, double height, double spacing)
+{
+    Points points;
+    const auto append_edge = [&](const Point& from, const Point& to)
+    {
+        const int count = std::max(1, int(std::lround((to - from).norm() / spacing)));
+        for (int k = 0; k < count; ++k)
+            points.push_back(from + (to - from) * (double(k) / count));
+    };
+    for (std::size_t i = 0; i < polygon.size(); ++i)
+    {
+        const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+        append_edge(Point(a.x(), a.y(), 0), Point(b.x(), b.y(), 0));
+        append_edge(Point(b.x(), b.y(), height), Point(a.x(), a.y(), height));
+        append_edge(Point(a.x(), a.y(), 0), Point(a.x(), a.y(), height));
+    }
+    return points;
+}
+
 bool is_ground(const Point& p)
 {
     const double r = std::hypot(p.x(), p.y());
@@ -179,6 +199,26 @@ TEST(CompleteFlats, CrustOfAFlangeHasItsBores)
     EXPECT_NEAR(report.volume / (area * thickness), 1, 0.03);
     EXPECT_GT(crust.completed, 0);
     EXPECT_EQ(crust.samples, crust.points_used + crust.completed);
+}
+
+TEST(CompleteFlats, CrustOfAFlatBracketSampledAlongItsEdges)
+{
+    const Points points = prism({{0, 0}, {1, 0}, {1, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {0, 0.8}}, 0.5, 0.03);
+    EXPECT_EQ(complete_flats(UnitFrame(points).to_unit(points), {}).faces, 8);
+    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points).mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 0);
+    EXPECT_NEAR(report.volume / 0.16, 1, 0.03);
+}
+
+TEST(CompleteFlats, DiscThatMeetsNoOtherFaceStaysOpen)
+{
+    // The rim of a hollow: nothing tells it from the end of a rod.
+    Points points;
+    append_ring(points, 0, 0, 0, 0.3, 60);
+    append_ring(points, 0, 0, -0.2, 0.3, 60);
+    EXPECT_EQ(complete_flats(points, {}).faces, 0);
 }
 
 TEST(CompleteFlats, PointsAsTheyAreStayAsTheyAre)
