@@ -8,6 +8,12 @@
 
 namespace recon
 {
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+
+} // namespace
 
 SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surface, int threads,
                                    const Progress& progress)
@@ -17,7 +23,7 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
     const AmlsProjection projected = project_to_amls(points, surface, options, progress.part(0, 0.8, "projection"));
     SurfaceSamples result;
     OrientedSamples kept;
-    std::vector<double> radii;
+    std::vector<double> radii, expected;
     // In spatial order, so that the choice does not depend on the order of the input.
     for (const int i : order_spatially(points).order)
     {
@@ -29,8 +35,10 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
         kept.points.push_back(projected.points[i]);
         kept.normals.push_back(projected.normals[i]);
         radii.push_back(0.4 * projected.widths[i]);
+        const double spacings = radii.back() / projected.spacings[i];
+        expected.push_back(pi * spacings * spacings);
     }
-    for (const int i : thin_to_poisson_disks(kept.points, kept.normals, radii, resolve_threads(threads)))
+    for (const int i : thin_to_poisson_disks(kept.points, kept.normals, radii, expected, resolve_threads(threads)))
     {
         result.samples.points.push_back(kept.points[i]);
         result.samples.normals.push_back(kept.normals[i]);
