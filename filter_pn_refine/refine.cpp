@@ -147,6 +147,7 @@ public:
         start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
 
+        reserve_result();
         // Steps take time by how many points they make.
         double total = 0, done = 0;
         for (int s = 0; s < options_.steps; ++s)
@@ -160,12 +161,25 @@ public:
                 break;
             done += share;
         }
-        collect_radii();
+        if (result_.input_radii.empty()) // no step was the last of those asked for
+            collect_radii([&](std::size_t i) { return level_.points[i].radius; });
         result_.seconds = times.seconds();
         return std::move(result_);
     }
 
 private:
+    /// Room for what is expected, within reason, so that results need not be moved.
+    void reserve_result()
+    {
+        const double expected = std::min(double(level_.points.size()) * std::pow(2.3, options_.steps),
+                                         std::min(4e6, double(options_.max_points)));
+        const std::size_t n = result_.points.size() + std::size_t(expected);
+        result_.points.reserve(n);
+        result_.normals.reserve(n);
+        result_.parents.reserve(n);
+        result_.radii.reserve(n);
+    }
+
     void repair(UsableSamples& usable, const Progress& progress)
     {
         for (int i : turn_contradicting_normals(usable.samples, usable.nearest, threads_, progress))
@@ -260,14 +274,16 @@ private:
         std::vector<WorkPoint> on_segments;
         std::vector<float> next_radius(level_.points.size(), 0.f);
         std::vector<int> open_gaps(level_.leaves.size(), 0);
-        parallel_for(
-            level_.points.size(), threads_, {},
-            [&](std::size_t i)
-            {
-                if (!(level_.points[i].flags & WorkPoint::refined))
-                    next_radius[i] = level_.points[i].radius;
-            },
-            4096);
+        parallel_for(level_.leaves.size(), threads_, {},
+                     [&](std::size_t k)
+                     {
+                         const Leaf& leaf = level_.leaves[k];
+                         if (leaf.refined_count == leaf.size())
+                             return;
+                         for (auto i = std::size_t(leaf.begin); i < std::size_t(leaf.end); ++i)
+                             if (!(level_.points[i].flags & WorkPoint::refined))
+                                 next_radius[i] = level_.points[i].radius;
+                     });
 
         times.begin("refine");
         // On every odd step (section 6), before what lies beside them.
@@ -327,9 +343,7 @@ private:
         if (is_last)
         {
             append_children(level_, growth, frame_, appended, threads_, growing);
-            parallel_for(
-                next_radius.size(), threads_, {}, [&](std::size_t i) { level_.points[i].radius = next_radius[i]; },
-                4096);
+            collect_radii([&](std::size_t i) { return next_radius[i]; });
         }
         else
             level_ = grow_level(level_, growth, frame_, appended, threads_, growing);
@@ -368,8 +382,9 @@ private:
         result_.steps.push_back(s);
     }
 
-    /// Of the points that took part in the last step; those that it made have theirs.
-    void collect_radii()
+    /// Radii of the points of the level go into the result.
+    template <class Radius>
+    void collect_radii(const Radius& radius_of)
     {
         result_.input_radii.assign(std::size_t(input_count_), 0.0);
         result_.radii.resize(result_.points.size());
@@ -380,7 +395,7 @@ private:
                 const WorkPoint& p = level_.points[i];
                 double& radius = p.id < input_count_ ? result_.input_radii[std::size_t(p.id)]
                                                      : result_.radii[std::size_t(p.id - input_count_)];
-                radius = p.radius * frame_.scale();
+                radius = double(radius_of(i)) * frame_.scale();
             },
             4096);
     }
