@@ -301,15 +301,7 @@ private:
                               children,
                               next_radius,
                               open_gaps};
-        double done = 0;
-        for (const std::vector<int>& colour : graph.colours)
-        {
-            const double share = double(colour.size()) / double(level_.leaves.size());
-            parallel_for(
-                colour.size(), threads_, progress.part(0.05 + 0.85 * done, 0.05 + 0.85 * (done + share), progress_name),
-                [&](std::size_t k) { refine_leaf(step, colour[k]); }, 1);
-            done += share;
-        }
+        refine_leaves(step, threads_, progress.part(0.05, 0.9, progress_name));
 
         times.begin("grow");
         std::vector<int> first(children.size() + 1, 0);

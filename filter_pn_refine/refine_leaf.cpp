@@ -3,7 +3,11 @@
 #include "kernels.h"
 #include "workspace.h"
 
+#include <recon/parallel.h>
+
 #include <algorithm>
+#include <atomic>
+#include <thread>
 
 namespace recon::pn
 {
@@ -45,8 +49,8 @@ void gather(const RefineStep& step, int self, Workspace& w)
     w.radius_before.assign(w.new_points.radius, w.new_points.radius + w.new_points.count);
 }
 
-} // namespace
-
+/// Touches only the children of this leaf and radii of points and children within its reach, so leaves of one colour
+/// may be refined side by side.
 void refine_leaf(const RefineStep& step, int self)
 {
     thread_local Workspace workspace;
@@ -68,6 +72,55 @@ void refine_leaf(const RefineStep& step, int self)
             float& next = step.next_radius[std::size_t(w.old_points.index[j])];
             next = std::max(next, raised * unit);
         }
+}
+
+} // namespace
+
+void refine_leaves(const RefineStep& step, int threads, const Progress& progress)
+{
+    const std::vector<std::vector<int>>& colours = step.graph.colours;
+    std::size_t total = 0;
+    for (const std::vector<int>& colour : colours)
+        total += colour.size();
+    // The same threads work on all colours, since there are many and short ones: whoever finds no leaf left waits for
+    // those that others have taken.
+    std::vector<std::atomic<std::size_t>> taken(colours.size()), done(colours.size());
+    std::atomic<std::size_t> all_done{0};
+    std::atomic<bool> stop{false};
+    const std::thread::id caller = std::this_thread::get_id();
+    const auto work = [&]
+    {
+        for (std::size_t c = 0; c < colours.size(); ++c)
+        {
+            const std::vector<int>& colour = colours[c];
+            for (std::size_t k; !stop && (k = taken[c]++) < colour.size(); ++done[c])
+            {
+                refine_leaf(step, colour[k]);
+                ++all_done;
+                if (std::this_thread::get_id() == caller)
+                    progress.report(double(all_done) / double(total));
+            }
+            while (!stop && done[c] < colour.size())
+                std::this_thread::yield();
+            if (stop)
+                return;
+        }
+    };
+    parallel_for(
+        std::size_t(threads), threads, {},
+        [&](std::size_t)
+        {
+            try
+            {
+                work();
+            }
+            catch (...)
+            {
+                stop = true;
+                throw;
+            }
+        },
+        1);
 }
 
 } // namespace recon::pn

@@ -30,8 +30,7 @@ struct RefineStep
     std::vector<int>& open_gaps;         ///< Per leaf: points whose neighbourhood stayed open.
 };
 
-/// Completes the neighbourhoods of the leaf's points (section 5). Touches only the children of this leaf and radii of
-/// points and children within its reach, so leaves of one colour may be refined side by side.
-void refine_leaf(const RefineStep& step, int leaf);
+/// Completes the neighbourhoods of all points to refine (section 5): colour after colour, leaves of one side by side.
+void refine_leaves(const RefineStep& step, int threads, const Progress& progress);
 
 } // namespace recon::pn
