@@ -19,15 +19,19 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int most_seeds = 2000, around = 16;
+/// In noise most seeds have some plane, so each costs more.
+constexpr int most_seeds = 2000, most_noisy_seeds = 150, around = 16;
 /// Samples around a seed that must lie in one plane with it, of `around`.
 constexpr int fewest_around = 6;
 /// Share of its rim samples that may see the surface fold in over the ground.
+constexpr double folded_rims = 0.2;
 /// Share of a plane's samples that noise may bring there from other parts.
 constexpr double noisy_strays = 0.1;
-/// Half the thickness of a plane [noise]; thin ones lose rims, thick ones gain strays, so one after the other is tried.
-constexpr std::array<double, 3> noisy_tolerances = {3, 2, 1.5};
-constexpr double folded_rims = 0.2;
+/// Half the thickness of a plane [noise].
+constexpr double noisy_tolerance = 2;
+/// Area per rim sample, in squares of the cloud's spacing, that a face in noise must have: noise closes many a small
+/// ring.
+constexpr double noisy_area = 1.5;
 /// Share of a disc's rim along which it meets one other face.
 constexpr double shared_rim = 0.7;
 /// Circumradius of a planar Delaunay triangle, in rim spacings, above which it is bare ground.
@@ -59,6 +63,13 @@ Neighbourhood look_around(const NeighbourSearch& search, const Point& p)
     return result;
 }
 
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
 void fit(Plane& plane, const Points& samples, const std::vector<int>& members)
 {
     Point centre = Point::Zero();
@@ -85,28 +96,21 @@ public:
     std::vector<FlatFace> find(const Progress& progress)
     {
         const int n = int(samples_.size());
-        const int stride = std::max(1, n / most_seeds);
+        const int stride = std::max(1, n / (options_.noise > 0 ? most_noisy_seeds : most_seeds));
         std::vector<int> seeds;
         for (int i = 0; i < n; i += stride)
             seeds.push_back(i);
-        std::vector<FlatFace> faces;
-        if (options_.noise == 0)
-            find_at(0, seeds, progress, faces);
-        for (std::size_t k = 0; options_.noise > 0 && k < noisy_tolerances.size(); ++k)
-            find_at(noisy_tolerances[k] * options_.noise, seeds,
-                    progress.part(double(k) / 3, double(k + 1) / 3, "flat faces"), faces);
-        drop_mouths(faces);
-        return faces;
-    }
-
-private:
-    void find_at(double tolerance, const std::vector<int>& seeds, const Progress& progress,
-                 std::vector<FlatFace>& faces)
-    {
+        std::vector<double> spacings;
+        for (const int seed : seeds)
+        {
+            const Neighbourhood near = look_around(search_, samples_[seed]);
+            spacings.push_back(std::sqrt(near.squared[std::min(6, near.count - 1)]));
+        }
+        spacing_ = median(std::move(spacings));
         std::vector<SeedPlanes> around_seed(seeds.size());
         parallel_for(seeds.size(), options_.threads, progress.part(0, 0.7, "flat faces"),
-                     [&](std::size_t k) { around_seed[k] = fit_around(seeds[k], tolerance); });
-        std::vector<Plane> with_faces = planes_;
+                     [&](std::size_t k) { around_seed[k] = fit_around(seeds[k]); });
+        std::vector<FlatFace> faces;
         for (std::size_t k = 0; k < seeds.size(); ++k)
         {
             for (Plane plane : around_seed[k])
@@ -117,20 +121,19 @@ private:
                 if (int(members.size()) < options_.fewest_samples || is_known(plane))
                     continue;
                 planes_.push_back(plane);
-                const std::size_t before = faces.size();
-                append_faces(plane, members, faces);
-                if (faces.size() > before)
-                    with_faces.push_back(plane);
+                if (is_on_rims(plane, members))
+                    append_faces(plane, members, faces);
             }
             progress.part(0.7, 1, "flat faces").report(double(k) / double(seeds.size()));
         }
-        // The others may close their rims at another tolerance.
-        planes_ = std::move(with_faces);
+        drop_mouths(faces);
+        return faces;
     }
 
+private:
     /// The planes that hold most of the samples around a seed, as many as meet at a corner; tolerance 0 where there is
     /// none with bare ground at the seed.
-    SeedPlanes fit_around(int seed, double tolerance) const
+    SeedPlanes fit_around(int seed) const
     {
         const Point& p = samples_[seed];
         const Neighbourhood near = look_around(search_, p);
@@ -142,7 +145,7 @@ private:
         most.fill(fewest_around - 1);
         Plane plane;
         plane.origin = p;
-        plane.tolerance = std::max(options_.tolerance * spacing, tolerance);
+        plane.tolerance = std::max(options_.tolerance * spacing, noisy_tolerance * options_.noise);
         for (int a = 1; a < std::min(near.count, 5); ++a)
             for (int b = a + 1; b < near.count; ++b)
             {
@@ -215,6 +218,18 @@ private:
     /// Whether the surface crosses the plane at a sample, instead of ending or bending there.
     bool is_crossing(const Plane& plane, int sample) const
     {
+        if (options_.noise > 0)
+        {
+            std::vector<int> found;
+            search_.within(samples_[sample], 5 * plane.tolerance, found);
+            bool above = false, below = false;
+            for (const int other : found)
+            {
+                above |= plane.height(samples_[other]) > 1.5 * plane.tolerance;
+                below |= plane.height(samples_[other]) < -1.5 * plane.tolerance;
+            }
+            return above && below;
+        }
         const Neighbourhood near = look_around(search_, samples_[sample]);
         Vector nearest[2] = {Vector::Zero(), Vector::Zero()};
         for (int j = near.count - 1; j > 0; --j)
@@ -227,6 +242,25 @@ private:
         const double below = nearest[0].norm(), above = nearest[1].norm();
         return below > 0 && above > 0 && std::max(below, above) < 1.5 * std::min(below, above) &&
                nearest[0].dot(nearest[1]) < -0.5 * below * above;
+    }
+
+    /// Whether most of a few members neither cross the plane nor lie amid others in it.
+    bool is_on_rims(const Plane& plane, const std::vector<int>& members) const
+    {
+        constexpr int few = 40;
+        const int count = std::min(few, int(members.size()));
+        int on_rims = 0;
+        for (int k = 0; k < count; ++k)
+        {
+            const int v = members[members.size() * std::size_t(k) / std::size_t(count)];
+            if (is_crossing(plane, v))
+                continue;
+            Plane here = plane;
+            here.origin = samples_[v];
+            on_rims +=
+                options_.noise > 0 || has_bare_ground(here, std::sqrt(look_around(search_, samples_[v]).squared[2]));
+        }
+        return 2 * on_rims >= count;
     }
 
     /// Share of rim samples at which samples nearby lie above or below the face's ground: there the surface folds in
@@ -369,15 +403,17 @@ private:
         std::vector<double> spacings;
         for (const int v : face.rim)
             spacings.push_back(std::sqrt(look_around(search_, samples_[v]).squared[2]));
-        const auto middle = spacings.begin() + std::ptrdiff_t(spacings.size() / 2);
-        std::nth_element(spacings.begin(), middle, spacings.end());
-        return std::any_of(face.triangles.begin(), face.triangles.end(),
-                           [&](const std::array<int, 3>& t)
-                           {
-                               const Vector u = samples_[t[1]] - samples_[t[0]], v = samples_[t[2]] - samples_[t[0]];
-                               const double radius = u.norm() * v.norm() * (u - v).norm() / (2 * u.cross(v).norm());
-                               return radius > bare_above * *middle;
-                           });
+        const double spacing = median(std::move(spacings));
+        double area = 0, largest = 0;
+        for (const auto& t : face.triangles)
+        {
+            const Vector u = samples_[t[1]] - samples_[t[0]], v = samples_[t[2]] - samples_[t[0]];
+            const double twice = u.cross(v).norm();
+            area += 0.5 * twice;
+            largest = std::max(largest, u.norm() * v.norm() * (u - v).norm() / (2 * twice));
+        }
+        return largest > bare_above * spacing &&
+               (options_.noise == 0 || area > noisy_area * spacing_ * spacing_ * double(face.rim.size()));
     }
 
     void append_faces(const Plane& plane, const std::vector<int>& members, std::vector<FlatFace>& faces) const
@@ -415,6 +451,7 @@ private:
     const FlatFaceOptions& options_;
     NeighbourSearch search_;
     std::vector<Plane> planes_;
+    double spacing_ = 0; ///< Of the cloud: median distance of the seeds to their sixth nearest.
 };
 
 } // namespace
