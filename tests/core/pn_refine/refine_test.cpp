@@ -81,7 +81,7 @@ TEST(RefinePoints, SphereBecomesDenseExactAndEven)
         const Points all = all_points(samples, refined);
         const double spacing = std::sqrt(12.566 / double(all.size()));
         // At the last steps the test points themselves are too few to find the largest gap: a lower bound then.
-        EXPECT_LT(largest_gap(surface, all), 2.2 * spacing) << steps;
+        EXPECT_LT(largest_gap(surface, all), 1.8 * spacing) << steps;
         EXPECT_GT(closest_pair(refined.points, all), 0.01 * spacing) << steps;
         EXPECT_EQ(refined.steps.size(), std::size_t(steps));
         EXPECT_EQ(refined.steps.back().points, int(all.size()));
@@ -113,7 +113,8 @@ TEST(RefinePoints, EmptyPlacesDoNotOutliveTheSteps)
 
 TEST(RefinePoints, AHemisphereHasNoEmptyPlaceInsideAtAnyStep)
 {
-    // Angles at the rim of this one's largest hole lie just below 90 degrees: 2.1 spacings at step 1, 2.9 at step 5.
+    // Angles at the rim of this one's largest hole lie just below 90 degrees: 2.1 spacings at step 1, 2.9 at step 5. At
+    // step 6 2.6 where near neighbours hid those across holes.
     const auto upper_half = [](const OrientedSamples& sphere, double least)
     {
         OrientedSamples half;
@@ -133,7 +134,7 @@ TEST(RefinePoints, AHemisphereHasNoEmptyPlaceInsideAtAnyStep)
         samples.normals.push_back(samples.points.back());
     }
     const Points surface = upper_half(shapes::sphere(200000, 1, 99), 0).points;
-    for (const int steps : {1, 2, 4, 5})
+    for (const int steps : {1, 2, 4, 5, 6})
     {
         const PnRefinement refined = refine_points(samples, one_thread(steps));
         const Points all = all_points(samples, refined);

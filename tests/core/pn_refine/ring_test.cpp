@@ -121,6 +121,27 @@ TEST(Ring, BadnessAgreesWithThePaperButForItsLimitWhereNormalsAgree)
     EXPECT_LE(differing, 2); // rounding at the threshold
 }
 
+TEST(Ring, ANearNeighbourHidesNoneAcrossAHoleWhereNormalsAgree)
+{
+    // Around the origin, as beside a hole at -40 degrees: the one at 38 degrees lies behind the plane of that at 77.
+    const double degrees[] = {-103, 38, 77, 132, 169}, lengths[] = {1.18, 0.97, 0.39, 0.74, 0.83};
+    OrientedSamples samples;
+    samples.points.push_back(Point::Zero());
+    for (int k = 0; k < 5; ++k)
+    {
+        const double a = degrees[k] * M_PI / 180;
+        samples.points.emplace_back(lengths[k] * std::cos(a), lengths[k] * std::sin(a), 0);
+    }
+    samples.normals.assign(6, Vector::UnitZ());
+    for (const Kernels* kernel : all_kernels())
+    {
+        EXPECT_EQ(neighbours_of(samples, 0, 2, false, *kernel).count(2), 1u) << kernel->instructions;
+        OrientedSamples bent = samples;
+        bent.normals[2] = Eigen::AngleAxisd(0.43, samples.points[2].normalized()) * Vector::UnitZ();
+        EXPECT_EQ(neighbours_of(bent, 0, 2, false, *kernel).count(2), 0u) << kernel->instructions;
+    }
+}
+
 TEST(Ring, AccurateNeighbourhoodOfAGridPointIsItsNearest)
 {
     OrientedSamples grid;
