@@ -2,6 +2,7 @@
 
 #include "planar_faces.h"
 
+#include <recon/block_search.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
@@ -56,7 +57,7 @@ struct Neighbourhood
     double squared[around];
 };
 
-Neighbourhood look_around(const NeighbourSearch& search, const Point& p)
+Neighbourhood look_around(const BlockSearch& search, const Point& p)
 {
     Neighbourhood result;
     result.count = search.nearest(p, around, result.indices, result.squared);
@@ -449,7 +450,7 @@ private:
 
     const Points& samples_;
     const FlatFaceOptions& options_;
-    NeighbourSearch search_;
+    BlockSearch search_;
     std::vector<Plane> planes_;
     double spacing_ = 0; ///< Of the cloud: median distance of the seeds to their sixth nearest.
 };

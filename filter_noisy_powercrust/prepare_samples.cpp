@@ -1,6 +1,5 @@
 #include "prepare_samples.h"
 
-#include "complete_flats.h"
 #include "filter_amls/sample_surface.h"
 
 #include <recon/cleanness.h>
@@ -28,29 +27,18 @@ constexpr double bearable_miss = 0.01;
 /// Above this number of points two attempts are not kept side by side [count].
 constexpr std::size_t most_points_twice = 1'000'000;
 
+/// Up to this share of violated votes a denoised cloud is not searched for bare faces.
+constexpr double calm_votes = 0.005;
 /// Up to this share of violated votes completed flat faces are not doubted.
 constexpr double certain_votes = 0.02;
 
-void put_completion(const FlatCompletion& completion, PreparedSamples& cloud)
+FlatCompletion complete_flats_of(const Points& samples, const Vectors& normals, double noise, int threads, PhaseTimes& times)
 {
-    cloud.completed = int(completion.points.size());
-    cloud.samples.insert(cloud.samples.end(), completion.points.begin(), completion.points.end());
-    cloud.normals.insert(cloud.normals.end(), completion.normals.begin(), completion.normals.end());
-}
-
-FlatCompletion take_back_completion(PreparedSamples& cloud)
-{
-    FlatCompletion result;
-    const std::ptrdiff_t measured = std::ptrdiff_t(cloud.samples.size()) - cloud.completed;
-    result.points.assign(cloud.samples.begin() + measured, cloud.samples.end());
-    cloud.samples.resize(std::size_t(measured));
-    if (!cloud.normals.empty())
-    {
-        result.normals.assign(cloud.normals.begin() + measured, cloud.normals.end());
-        cloud.normals.resize(std::size_t(measured));
-    }
-    cloud.completed = 0;
-    return result;
+    times.begin("flat faces");
+    FlatFaceOptions options;
+    options.noise = noise;
+    options.threads = threads;
+    return complete_flats(samples, normals, options);
 }
 
 } // namespace
@@ -72,15 +60,9 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     const Cleanness cleanness = measure_cleanness(result.distinct, resolve_threads(options.threads));
     result.cleanness = std::max(cleanness.long_cells, cleanness.flat_neighbours);
     // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however coarse.
-    FlatCompletion exact;
     if (options.denoise == Denoise::automatic && options.noise == 0)
-    {
-        times.begin("flat faces");
-        FlatFaceOptions flats;
-        flats.threads = options.threads;
-        exact = complete_flats(result.distinct, {}, flats);
-    }
-    const bool is_exact = !exact.points.empty();
+        result.completion = complete_flats_of(result.distinct, {}, 0, options.threads, times);
+    const bool is_exact = !result.completion.points.empty();
     times.begin("gate");
     result.is_noisy = !cleanness.is_clean() && !is_exact;
     if (!result.is_noisy && !is_exact && options.denoise != Denoise::on)
@@ -118,16 +100,6 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         result.samples = result.distinct;
         result.normals.clear();
     }
-    if (is_exact)
-        put_completion(exact, result);
-    else if (result.denoised)
-    {
-        times.begin("flat faces");
-        FlatFaceOptions flats;
-        flats.noise = result.noise / result.frame.scale();
-        flats.threads = options.threads;
-        put_completion(complete_flats(result.samples, result.normals, flats), result);
-    }
     times.end();
     return result;
 }
@@ -153,22 +125,27 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         in_units.noise /= cloud.frame.scale();
         const auto label = [&](double from, double to)
         { return label_polar_balls(cloud.samples, cloud.normals, in_units, times, progress.part(from, to, "polar balls")); };
-        if (cloud.completed == 0)
-        {
-            LabelledBalls labelled = label(middle, end);
-            return LabelledCloud{std::move(cloud), std::move(labelled)};
-        }
-        const double late = (middle + end) / 2;
-        LabelledBalls completed = label(middle, late);
-        if (completed.violated_votes <= certain_votes)
-            return LabelledCloud{std::move(cloud), std::move(completed)};
-        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they are.
-        const FlatCompletion completion = take_back_completion(cloud);
-        LabelledBalls plain = label(late, end);
-        if (completed.violated_votes > 0.5 * plain.violated_votes)
+        const double late = middle + 0.8 * (end - middle);
+        LabelledBalls plain = label(middle, late);
+        if (cloud.denoised && plain.violated_votes > calm_votes)
+            cloud.completion =
+                complete_flats_of(cloud.samples, cloud.normals, cloud.noise / cloud.frame.scale(), options.threads, times);
+        if (cloud.completion.points.empty())
             return LabelledCloud{std::move(cloud), std::move(plain)};
-        put_completion(completion, cloud);
-        return LabelledCloud{std::move(cloud), std::move(completed)};
+        const std::size_t measured = cloud.samples.size();
+        cloud.samples.insert(cloud.samples.end(), cloud.completion.points.begin(), cloud.completion.points.end());
+        cloud.normals.insert(cloud.normals.end(), cloud.completion.normals.begin(), cloud.completion.normals.end());
+        LabelledBalls completed = label(late, end);
+        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they are.
+        if (completed.violated_votes <= certain_votes || completed.violated_votes <= 0.5 * plain.violated_votes)
+        {
+            const int count = int(cloud.samples.size() - measured);
+            return LabelledCloud{std::move(cloud), std::move(completed), count};
+        }
+        cloud.samples.resize(measured);
+        if (!cloud.normals.empty())
+            cloud.normals.resize(measured);
+        return LabelledCloud{std::move(cloud), std::move(plain)};
     };
     std::optional<LabelledCloud> first = attempt(options.denoise, 0, 0.8);
     // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "complete_flats.h"
 #include "filter_amls/surface.h"
 
 #include <recon/geometry.h>
@@ -46,7 +47,7 @@ struct PreparedSamples
     Points samples;                     ///< In the unit frame: `distinct`, or cleaned.
     Vectors normals;                    ///< Outward, one per sample if denoised, else empty.
     int outliers = 0;                   ///< Points left out [count].
-    int completed = 0; ///< Samples put on bare flat faces, the last of `samples` [count].
+    FlatCompletion completion;          ///< Of bare flat faces that are exactly flat; not among the samples.
     double noise = 0;                   ///< Standard deviation, given or estimated [input units].
 };
 
@@ -60,11 +61,13 @@ struct LabelledCloud
 {
     PreparedSamples cloud;
     LabelledBalls labelled;
+    int completed = 0; ///< Samples put on bare flat faces, the last of the cloud's [count].
 };
 
-/// Prepares the samples and labels their polar balls. A clean cloud of whose points the crust misses some (an open scan that outer
-/// balls flood, coarse limbs, walls thinner than the spacing) is tried again denoised, with the normals of its AMLS surface,
-/// and the crust with the smaller mismatch stays.
+/// Prepares the samples and labels their polar balls; where faces are bare, again with these completed, and the labels that
+/// contradict less stay. A clean cloud of whose points the crust misses some (an open scan that outer balls flood, coarse limbs,
+/// walls thinner than the spacing) is tried again denoised, with the normals of its AMLS surface, and the crust with the smaller
+/// mismatch stays.
 /// \param labelling with lengths in input units.
 LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options, BallLabellingOptions labelling,
                           PhaseTimes& times, const Progress& progress = {});

@@ -80,7 +80,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     const UnitFrame& frame = cloud.frame;
     result.points_used = int(cloud.distinct.size());
     result.samples = int(cloud.samples.size());
-    result.completed = cloud.completed;
+    result.completed = found.completed;
     result.outliers = cloud.outliers;
     result.cleanness = cloud.cleanness;
     result.denoised = cloud.denoised;

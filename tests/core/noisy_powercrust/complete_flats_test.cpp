@@ -225,8 +225,8 @@ TEST(CompleteFlats, PointsAsTheyAreStayAsTheyAre)
 {
     SamplePreparationOptions options;
     PhaseTimes times;
-    EXPECT_GT(prepare_samples(flange(), options, times).completed, 0);
+    EXPECT_GT(prepare_samples(flange(), options, times).completion.points.size(), 0u);
     options.denoise = Denoise::off;
-    EXPECT_EQ(prepare_samples(flange(), options, times).completed, 0);
+    EXPECT_TRUE(prepare_samples(flange(), options, times).completion.points.empty());
     EXPECT_EQ(prepare_samples(flange(), options, times).samples.size(), flange().size());
 }
