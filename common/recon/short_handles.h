@@ -14,7 +14,7 @@ struct ShortHandleOptions
 {
     double highest_margin = 0.9; ///< Balls at or above this margin are never turned [-1..1].
     /// A handle goes if the evidence for the balls that close it times its ring is below this [samples x local scales].
-    double largest_support = 125;
+    double largest_support = 220;
     double longest_ring = 40; ///< Whatever its support, no longer one goes [local scales].
     /// Unless the evidence is below this share of the samples that spheres as large as its balls would carry [0..1]: where an open
     /// scan is closed, large balls meet at its rim, and hardly a sample speaks for what hangs there.
@@ -27,8 +27,8 @@ struct ShortHandleOptions
 /// first, and leaves out what would close a ring: a set of balls whose turning removes the handle, across its narrowest
 /// place, however many balls that takes. Balls of the set that need not turn for that, and for which there is evidence,
 /// stay. The set is turned if the evidence for it (kept less violated weight of all edges that leave it), times the
-/// length of the ring that it closes, is small. Measured: real holes and thin arms 133 and more, on clean coarse clouds
-/// 50, what is left of noise mostly below 80. Components are neither joined nor parted.
+/// length of the ring that it closes, is small. Measured with normals: real holes 378 and more, what is left of noise
+/// mostly below 200; on clean coarse clouds real holes 50. Components are neither joined nor parted.
 /// \param scale per ball: local scale of the samples [length]. \param margins per ball, see measure_margins().
 /// \returns the number of balls turned.
 int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
