@@ -140,8 +140,8 @@ private:
     std::vector<Candidate> candidates_;
 };
 
-/// Cosine of the steepest slant of a wall against the normals of the faces that it joins.
-const double straight = std::cos(15 * 3.14159265358979323846 / 180);
+/// A wall joins parallel faces (cosine of their normals), straight but for this share of the rim's spacing.
+constexpr double parallel = 0.97, aside = 0.6;
 
 /// Samples on walls that rise straight from the rim of one face to the rim of another: extruded shapes and bores carry
 /// samples at both ends only.
@@ -207,14 +207,14 @@ private:
         for (int f = 0; f < int(faces_.size()); ++f)
         {
             const OrientedFace& other = faces_[f];
-            if (f == foot.face || std::abs(own.normal.dot(other.normal)) < straight)
+            if (f == foot.face || std::abs(own.normal.dot(other.normal)) < parallel)
                 continue;
             const double height = (other.rim.front() - p).dot(own.normal);
             const int nearest = other.search.nearest(p + height * own.normal);
             const Vector offset = other.rim[nearest] - p;
-            const double squared = offset.squaredNorm();
-            if (squared < least && squared > 0 && !meets_face(f, nearest) &&
-                std::abs(offset.dot(own.normal)) > straight * std::sqrt(squared))
+            const double squared = offset.squaredNorm(), up = std::abs(offset.dot(own.normal));
+            const double lateral = std::sqrt(std::max(squared - up * up, 0.0));
+            if (squared < least && lateral < up && lateral < aside * other.spacing[nearest] && !meets_face(f, nearest))
             {
                 least = squared;
                 result = {f, nearest};

@@ -307,7 +307,7 @@ private:
             const Point& p = samples_[v];
             const Neighbourhood near = look_around(search_, p);
             bool is_folded = false;
-            double reach = 1e300;
+            double reach = 16 * near.squared[std::min(2, near.count - 1)]; // farther off it is another part
             for (int j = 1; j < near.count && near.squared[j] < reach; ++j)
             {
                 const Vector offset = samples_[near.indices[j]] - p;

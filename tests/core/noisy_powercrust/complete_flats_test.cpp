@@ -118,7 +118,8 @@ TEST(FillPlanarRims, NoFaceThroughAGap)
     std::vector<Eigen::Vector2d> points;
     for (const Point& p : ring)
         points.emplace_back(p.x(), p.y());
-    points.emplace_back(0, 0); // an end of no rim
+    points.emplace_back(-0.01, 0); // a rim of two ends
+    points.emplace_back(0.01, 0);
     EXPECT_TRUE(fill_planar_rims(points, 0).empty());
     EXPECT_TRUE(fill_planar_rims({}, 0).empty());
     EXPECT_TRUE(fill_planar_rims({{0, 0}, {0.1, 0}, {0.2, 0}}, 0.1).empty());
@@ -177,6 +178,64 @@ TEST(CompleteFlats, DoesNotCloseTheMouthOfABowl)
     EXPECT_EQ(complete_flats(points, {}).faces, 0);
 }
 
+TEST(CompleteFlats, DoesNotCutAcrossASolidWhereItsChamfersEnd)
+{
+    // The chamfers' upper rims lie in one plane too, a cross-section of the solid.
+    Points points;
+    append_ring(points, 0, 0, 0, 0.42, 120);
+    append_ring(points, 0, 0, 0, 0.23, 70);
+    for (const double z : {0.03, 0.15})
+    {
+        append_ring(points, 0, 0, z, 0.45, 120);
+        append_ring(points, 0, 0, z, 0.2, 70);
+    }
+    for (const Point& p : complete_flats(points, {}).points)
+        EXPECT_TRUE(std::min(std::abs(p.z()), std::abs(p.z() - 0.15)) < 1e-9 || std::hypot(p.x(), p.y()) > 0.44 ||
+                    std::hypot(p.x(), p.y()) < 0.21)
+            << p.transpose();
+    EXPECT_EQ(complete_flats(points, {}).faces, 2);
+}
+
+TEST(CompleteFlats, LeavesNarrowRingsAlone)
+{
+    Points points;
+    for (const double z : {0.0, 0.3})
+    {
+        append_ring(points, 0, 0, z, 0.4, 120);
+        append_ring(points, 0, 0, z, 0.38, 120);
+    }
+    EXPECT_EQ(complete_flats(points, {}).faces, 0);
+}
+
+TEST(CompleteFlats, NormalsOfWallsFaceAwayFromTheSolid)
+{
+    // A washer with a hub: the hub's wall stands on one face, the others go down from one.
+    Points points;
+    append_ring(points, 0, 0, 0, 0.2, 70);
+    append_ring(points, 0, 0, 0, 0.45, 150);
+    append_ring(points, 0, 0, 0.06, 0.45, 150);
+    append_ring(points, 0, 0, 0.06, 0.3, 100);
+    append_ring(points, 0, 0, 0.15, 0.3, 100);
+    append_ring(points, 0, 0, 0.15, 0.2, 70);
+    Vectors normals;
+    for (const Point& p : points)
+        normals.push_back(Vector(0, 0, p.z() > 0.01 ? 1 : -1));
+    const FlatCompletion completion = complete_flats(points, normals);
+    EXPECT_EQ(completion.faces, 3);
+    ASSERT_EQ(completion.normals.size(), completion.points.size());
+    int walls = 0, right = 0;
+    for (std::size_t i = 0; i < completion.points.size(); ++i)
+    {
+        const Vector radial = Vector(completion.points[i].x(), completion.points[i].y(), 0).normalized();
+        const bool is_wall = std::abs(completion.normals[i].z()) < 0.5;
+        walls += is_wall;
+        right += is_wall && (radial.dot(completion.normals[i]) > 0.9) ==
+                                (std::hypot(completion.points[i].x(), completion.points[i].y()) > 0.25);
+    }
+    EXPECT_GT(walls, 500);
+    EXPECT_EQ(right, walls);
+}
+
 TEST(CompleteFlats, SameForAnyNumberOfThreads)
 {
     FlatFaceOptions one, two;
@@ -204,7 +263,14 @@ TEST(CompleteFlats, CrustOfAFlangeHasItsBores)
 TEST(CompleteFlats, CrustOfAFlatBracketSampledAlongItsEdges)
 {
     const Points points = prism({{0, 0}, {1, 0}, {1, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {0, 0.8}}, 0.5, 0.03);
-    EXPECT_EQ(complete_flats(UnitFrame(points).to_unit(points), {}).faces, 8);
+    const FlatCompletion completion = complete_flats(points, {});
+    EXPECT_EQ(completion.faces, 8);
+    for (const Point& p : completion.points)
+    {
+        const double x = std::min({p.x(), std::abs(p.x() - 0.2), std::abs(p.x() - 1)});
+        const double y = std::min({p.y(), std::abs(p.y() - 0.2), std::abs(p.y() - 0.8)});
+        EXPECT_LT(std::min({x, y, p.z(), std::abs(p.z() - 0.5)}), 1e-6) << "inside: " << p.transpose();
+    }
     const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points).mesh);
     EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
     EXPECT_EQ(report.components, 1);
