@@ -114,11 +114,4 @@ struct Fan
     alignas(64) float angle[lane_count];
 };
 
-/// How rings are made and measured.
-struct RingRules
-{
-    bool projects = false; ///< Geodesic projection before the planes are compared (section 4.2).
-    bool in_plane = false; ///< Planes compared in the tangent plane, otherwise in space.
-};
-
 } // namespace recon::pn
