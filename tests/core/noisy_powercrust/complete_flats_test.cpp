@@ -223,16 +223,19 @@ TEST(CompleteFlats, NormalsOfWallsFaceAwayFromTheSolid)
     const FlatCompletion completion = complete_flats(points, normals);
     EXPECT_EQ(completion.faces, 3);
     ASSERT_EQ(completion.normals.size(), completion.points.size());
-    int walls = 0, right = 0;
+    int walls = 0, right = 0, on_hub = 0;
     for (std::size_t i = 0; i < completion.points.size(); ++i)
     {
-        const Vector radial = Vector(completion.points[i].x(), completion.points[i].y(), 0).normalized();
+        const Point& p = completion.points[i];
+        const double radius = std::hypot(p.x(), p.y());
         const bool is_wall = std::abs(completion.normals[i].z()) < 0.5;
+        const bool faces_out = completion.normals[i].dot(Vector(p.x(), p.y(), 0)) > 0.9 * radius;
         walls += is_wall;
-        right += is_wall && (radial.dot(completion.normals[i]) > 0.9) ==
-                                (std::hypot(completion.points[i].x(), completion.points[i].y()) > 0.25);
+        right += is_wall && faces_out == (radius > 0.25);
+        on_hub += is_wall && std::abs(radius - 0.3) < 0.01;
     }
     EXPECT_GT(walls, 500);
+    EXPECT_GT(on_hub, 200);
     EXPECT_EQ(right, walls);
 }
 
