@@ -37,7 +37,7 @@ FlatCompletion complete_flats_of(const Points& samples, const Vectors& normals, 
     times.begin("flat faces");
     FlatFaceOptions options;
     options.noise = noise;
-    options.threads = threads;
+    options.threads = resolve_threads(threads);
     return complete_flats(samples, normals, options);
 }
 
