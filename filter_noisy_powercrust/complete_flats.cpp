@@ -1,5 +1,7 @@
 #include "complete_flats.h"
 
+#include "keep_apart.h"
+
 #include <recon/neighbours.h>
 #include <recon/scramble.h>
 
@@ -18,19 +20,11 @@ namespace
 /// of distance.
 constexpr double share_of_rim_spacing = 0.7, growth = 0.15;
 
-Points points_of(const std::vector<int>& indices, const Points& points)
-{
-    Points result;
-    for (const int i : indices)
-        result.push_back(points[i]);
-    return result;
-}
-
 /// A face with its outer side told, and where its rim runs. Stays where it was made: `search` refers to `rim`.
 struct OrientedFace
 {
     OrientedFace(FlatFace found, const Points& samples, const Vectors& normals)
-        : face(std::move(found)), rim(points_of(face.rim, samples)), search(rim)
+        : face(std::move(found)), rim(points_at(face.rim, samples)), search(rim)
     {
         double along = 0;
         for (const int v : face.rim)
@@ -106,32 +100,24 @@ private:
         divide(middle, to, opposite, depth + 1);
     }
 
-    /// Greedy Poisson disks in a scrambled order; what an older sample is too near to is left out.
+    /// In a scrambled order; what an older sample is too near to is left out.
     Points thin() const
     {
-        Points positions;
         std::vector<std::pair<std::uint64_t, int>> order;
         for (int i = 0; i < int(candidates_.size()); ++i)
-        {
-            positions.push_back(candidates_[i].position);
             order.emplace_back(scramble(std::uint64_t(i)), i);
-        }
         std::sort(order.begin(), order.end());
-        const NeighbourSearch among(positions);
-        std::vector<char> is_taken(positions.size(), 0);
-        std::vector<int> near;
-        Points result;
+        Points positions;
+        std::vector<double> radii;
         for (const auto& entry : order)
         {
             const Candidate& c = candidates_[entry.second];
-            if (is_taken[entry.second] || (samples_[search_.nearest(c.position)] - c.position).norm() < 0.5 * c.radius)
+            if ((samples_[search_.nearest(c.position)] - c.position).norm() < 0.5 * c.radius)
                 continue;
-            among.within(c.position, c.radius, near);
-            for (const int i : near)
-                is_taken[i] = 1;
-            result.push_back(c.position);
+            positions.push_back(c.position);
+            radii.push_back(c.radius);
         }
-        return result;
+        return points_at(keep_apart(positions, radii), positions);
     }
 
     const Points& samples_;
@@ -170,16 +156,8 @@ public:
                 raise(foot, top, with_normals);
             }
         // Walls may meet: the side of a box is one in two directions.
-        const NeighbourSearch among(positions_);
-        std::vector<char> is_taken(positions_.size(), 0);
-        std::vector<int> near;
-        for (std::size_t k = 0; k < positions_.size(); ++k)
+        for (const int k : keep_apart(positions_, radii_))
         {
-            if (is_taken[k])
-                continue;
-            among.within(positions_[k], radii_[k], near);
-            for (const int other : near)
-                is_taken[other] = 1;
             result.points.push_back(positions_[k]);
             if (with_normals)
                 result.normals.push_back(normals_[k]);

@@ -1,5 +1,6 @@
 #include "flat_faces.h"
 
+#include "keep_apart.h"
 #include "planar_faces.h"
 
 #include <recon/block_search.h>
@@ -283,9 +284,7 @@ private:
                 along[edge.first.first].push_back(edge.first.second);
                 along[edge.first.second].push_back(edge.first.first);
             }
-        Points rim;
-        for (const int v : face.rim)
-            rim.push_back(samples_[v]);
+        const Points rim = points_at(face.rim, samples_);
         const NeighbourSearch rim_search(rim);
         const auto distance_to_rim = [&](const Point& q)
         {
@@ -331,21 +330,10 @@ private:
     /// Leaves samples at least `distance` apart, so that noise does not fold the curves on which they lie.
     void thin(double distance, std::vector<int>& indices) const
     {
-        Points points;
-        for (const int i : indices)
-            points.push_back(samples_[i]);
-        const NeighbourSearch search(points);
-        std::vector<char> is_taken(points.size(), 0);
-        std::vector<int> near, left;
-        for (std::size_t k = 0; k < points.size(); ++k)
-        {
-            if (is_taken[k])
-                continue;
+        const std::vector<double> radii(indices.size(), distance);
+        std::vector<int> left;
+        for (const int k : keep_apart(points_at(indices, samples_), radii))
             left.push_back(indices[k]);
-            search.within(points[k], distance, near);
-            for (const int other : near)
-                is_taken[other] = 1;
-        }
         indices = std::move(left);
     }
 

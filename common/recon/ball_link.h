@@ -11,6 +11,29 @@
 namespace recon
 {
 
+/// Joins neighbouring balls of one group. \param group_of of a ball: 0 or 1, negative for one that is joined to none.
+template <class GroupOf>
+DisjointSets join_neighbours(const Triangulation& regular, std::size_t balls, GroupOf&& group_of)
+{
+    DisjointSets sets(balls);
+    // Balls of one group in a cell are all neighbours: to join each to the first is enough.
+    for (const auto& cell : regular.cells)
+    {
+        int first[2] = {-1, -1};
+        for (const int v : cell.vertices)
+        {
+            const int group = v == Triangulation::infinite ? -1 : group_of(v);
+            if (group < 0)
+                continue;
+            if (first[group] < 0)
+                first[group] = v;
+            else
+                sets.join(first[group], v);
+        }
+    }
+    return sets;
+}
+
 /// The neighbours of a ball in the dual of a power diagram and the pieces into which they fall by side, connected along
 /// the edges of the ball's link (a sphere). With p pieces of the ball's own side and q of the other, giving the ball
 /// the other side changes the Euler characteristic of the surface between the sides by 2 (p - q): own and other regions

@@ -26,15 +26,6 @@ double median(std::vector<double> values)
     return *middle;
 }
 
-Points points_of(const std::vector<int>& indices, const Points& points)
-{
-    Points result;
-    result.reserve(indices.size());
-    for (const int i : indices)
-        result.push_back(points[i]);
-    return result;
-}
-
 void append_scale(BallScale& result, double scale, double count, double factor)
 {
     result.scale.push_back(scale);
@@ -78,7 +69,7 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
                      raw[i] = spread(coarse_count);
                  });
 
-    const Points members = points_of(result.subset, samples);
+    const Points members = points_at(result.subset, samples);
     const NeighbourSearch member_search(members);
     result.coarse.resize(m);
     parallel_for(m, threads, progress.part(0.6, 0.8, "local spacing"),
@@ -121,7 +112,7 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
         const Vector second = delaunay.centres[cells[1]] - samples[v];
         clean[i] = has_clean_poles(first, second, spacing.eighth[i]);
     }
-    const Points members = points_of(spacing.subset, samples);
+    const Points members = points_at(spacing.subset, samples);
     const NeighbourSearch search(members);
     constexpr int around = 24;
     std::vector<double> cleanness(m), flatness(m);

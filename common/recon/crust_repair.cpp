@@ -67,26 +67,8 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
                    std::vector<Side>& labels)
 {
     const int n = int(labels.size());
-    DisjointSets components{std::size_t(n)};
-    std::vector<char> is_visible(std::size_t(n), 0);
-    // Balls of one side in a cell are all neighbours: to join each to the first is enough.
-    for (const auto& cell : regular.cells)
-    {
-        int first[2] = {-1, -1};
-        for (const int v : cell.vertices)
-        {
-            if (v == Triangulation::infinite)
-                continue;
-            is_visible[v] = 1;
-            int& other = first[labels[v] == Side::inner];
-            if (other < 0)
-            {
-                other = v;
-                continue;
-            }
-            components.join(v, other);
-        }
-    }
+    const std::vector<char> is_visible = mark_vertices(regular, n);
+    DisjointSets components = join_neighbours(regular, labels.size(), [&](int v) { return int(labels[v]); });
     std::vector<int> size(std::size_t(n), 0);
     std::vector<char> has_root(std::size_t(n), 0);
     int largest = 0;
@@ -115,19 +97,9 @@ void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels
     std::vector<char> is_doubtful(n, 0);
     for (const int ball : doubtful)
         is_doubtful[ball] = 1;
-    DisjointSets parts(n); // of the inside without its doubtful balls
-    for (const auto& cell : regular.cells)
-    {
-        int first = -1;
-        for (const int v : cell.vertices)
-            if (v != Triangulation::infinite && labels[v] == Side::inner && !is_doubtful[v])
-            {
-                if (first < 0)
-                    first = v;
-                else
-                    parts.join(first, v);
-            }
-    }
+    // Of the inside without its doubtful balls.
+    DisjointSets parts =
+        join_neighbours(regular, n, [&](int v) { return labels[v] == Side::inner && !is_doubtful[v] ? 0 : -1; });
     std::vector<int> size(n, 0);
     for (std::size_t i = 0; i < n; ++i)
         ++size[parts.find(int(i))];

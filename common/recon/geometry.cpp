@@ -23,6 +23,15 @@ double Box::diagonal() const
     return largest * (sides / largest).norm();
 }
 
+Points points_at(const std::vector<int>& indices, const Points& points)
+{
+    Points result;
+    result.reserve(indices.size());
+    for (const int i : indices)
+        result.push_back(points[i]);
+    return result;
+}
+
 Box bounding_box(const Points& points)
 {
     Box box;

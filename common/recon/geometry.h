@@ -40,6 +40,9 @@ struct Box
     double diagonal() const;
 };
 
+/// The points of those indices.
+Points points_at(const std::vector<int>& indices, const Points& points);
+
 Box bounding_box(const Points& points);
 
 /// The frame in which all algorithms compute: centred, box diagonal 1. Coordinates like UTM's or of 1e-30 lose nothing

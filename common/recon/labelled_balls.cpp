@@ -78,11 +78,7 @@ std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& sa
 /// sphere thousands of polar balls coincide, one is visible, and the samples' votes must reach it.
 std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, const std::vector<Ball>& balls)
 {
-    std::vector<char> is_visible(balls.size(), 0);
-    for (const auto& cell : regular.cells)
-        for (const int v : cell.vertices)
-            if (v != Triangulation::infinite)
-                is_visible[v] = 1;
+    const std::vector<char> is_visible = mark_vertices(regular, int(balls.size()));
     std::vector<int> visible;
     Points centres;
     for (int b = 0; b < int(balls.size()); ++b)

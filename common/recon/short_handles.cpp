@@ -47,16 +47,7 @@ std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVe
         return candidates;
     for (const int i : candidates)
         labels[i] = opposite(side);
-    DisjointSets components(labels.size());
-    for (const auto& cell : regular.cells)
-        for (int i = 1; i < 4; ++i)
-            for (int j = 0; j < i; ++j)
-            {
-                const int a = cell.vertices[i], b = cell.vertices[j];
-                if (a != Triangulation::infinite && b != Triangulation::infinite && labels[a] == side &&
-                    labels[b] == side)
-                    components.join(a, b);
-            }
+    DisjointSets components = join_neighbours(regular, labels.size(), [&](int v) { return labels[v] == side ? 0 : -1; });
 
     std::priority_queue<std::pair<double, int>> queue; // highest margin, then lowest index
     std::vector<char> is_queued(std::size_t(n), 0);

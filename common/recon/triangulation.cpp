@@ -42,6 +42,16 @@ bool Triangulation::list_ring_from_lowest(int cell, int a, int b, std::vector<in
     return true;
 }
 
+std::vector<char> mark_vertices(const Triangulation& triangulation, int point_count)
+{
+    std::vector<char> is_vertex(std::size_t(point_count), 0);
+    for (const auto& cell : triangulation.cells)
+        for (const int v : cell.vertices)
+            if (v != Triangulation::infinite)
+                is_vertex[v] = 1;
+    return is_vertex;
+}
+
 CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count)
 {
     CellsAtVertices result;

@@ -61,6 +61,9 @@ struct Triangulation
     bool list_ring_from_lowest(int cell, int a, int b, std::vector<int>& ring) const;
 };
 
+/// Per point whether it is a vertex: in a power diagram some balls are hidden.
+std::vector<char> mark_vertices(const Triangulation& triangulation, int point_count);
+
 /// For each vertex the finite and infinite cells at it, as compressed rows: cells of v are cell[first[v]..first[v + 1]).
 struct CellsAtVertices
 {
