@@ -31,14 +31,17 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const UnitFrame frame(points);
     BallLabellingOptions labelling;
     labelling.threads = resolve_threads(options.threads);
-    const LabelledBalls labelled = label_polar_balls(frame.to_unit(sampled.samples.points), sampled.samples.normals,
-                                                     labelling, times, progress.part(0.4, 0.85, "crust"));
+    const Points samples = frame.to_unit(sampled.samples.points);
+    const LabelledBalls labelled =
+        label_polar_balls(samples, sampled.samples.normals, labelling, times, progress.part(0.4, 0.85, "crust"));
     result.violated_votes = labelled.violated_votes;
     times.begin("crust");
     CrustOptions crust;
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
     crust.target_vertices = result.samples;
+    crust.interpolated = &samples;
+    crust.threads = labelling.threads;
     result.mesh = make_crust(labelled, crust);
     frame.from_unit_in_place(result.mesh.vertices);
     times.begin("smooth");

@@ -40,7 +40,8 @@ void trim(TriangleMesh& mesh, const BlockSearch& search, const Points& samples, 
     {
         const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
         bool near = true;
-        for (const Point& p : {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), Point((a + b + c) / 3)})
+        for (const Point& p :
+             {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), Point((a + b + c) / 3)})
             near = near && (p - samples[search.nearest(p)]).squaredNorm() <= length * length;
         keep.push_back(near);
     }
@@ -50,10 +51,11 @@ void trim(TriangleMesh& mesh, const BlockSearch& search, const Points& samples, 
 void warn(NoisyPowerCrust& result)
 {
     if (result.violated_votes > safe_violation)
-        result.warnings.push_back(
-            "The points contradict the surface in " + std::to_string(int(std::lround(100 * result.violated_votes))) +
-            " % of their votes: parts are probably missing or filled. Walls may be thinner than the spacing or the noise of the "
-            "points; look at the result, and scan such parts more densely.");
+        result.warnings.push_back("The points contradict the surface in " +
+                                  std::to_string(int(std::lround(100 * result.violated_votes))) +
+                                  " % of their votes: parts are probably missing or filled. Walls may be thinner than "
+                                  "the spacing or the noise of the "
+                                  "points; look at the result, and scan such parts more densely.");
 }
 
 } // namespace
@@ -94,14 +96,17 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.smallest_ball = smallest * frame.scale();
 
     if (options.ball_threshold > 0 && result.violated_votes > 0.5)
-        throw AlgorithmFailure("With this ball_threshold hardly any polar ball inside the surface is left: most points contradict "
-                               "what remains. Lower ball_threshold, or set it to 0 (automatic).");
+        throw AlgorithmFailure(
+            "With this ball_threshold hardly any polar ball inside the surface is left: most points contradict "
+            "what remains. Lower ball_threshold, or set it to 0 (automatic).");
 
     times.begin("crust");
     CrustOptions crust;
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
     crust.target_vertices = result.samples;
+    if (options.smooth && (cloud.denoised || !cloud.is_noisy))
+        crust.interpolated = &cloud.samples;
     crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
     mesh = make_crust(labelled, crust);
@@ -118,7 +123,8 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     if (options.trim_length > 0)
         trim(mesh, search, cloud.distinct, options.trim_length / frame.scale());
     if (mesh.triangles.empty())
-        throw AlgorithmFailure("No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
+        throw AlgorithmFailure(
+            "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
     result.nearest_sample.resize(mesh.vertices.size());
     parallel_for(mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
                  [&](std::size_t v)

@@ -16,15 +16,17 @@ namespace recon
 /// Options of reconstruct_noisy_power_crust(). Lengths are in input units.
 struct NoisyPowerCrustOptions
 {
-    double ball_threshold = 0;    ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
-    double noise = 0;             ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
-    double deep_intersection = 0; ///< Cosine of intersection above which neighbours agree, 0..1. 0 = weighed in samples.
+    double ball_threshold = 0; ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
+    double noise = 0;          ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
+    double deep_intersection =
+        0; ///< Cosine of intersection above which neighbours agree, 0..1. 0 = weighed in samples.
     KeepComponents keep_components = KeepComponents::largest;
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
-    bool smooth = true;                   ///< Move the vertices of a noisy cloud's crust onto its AMLS surface.
-    bool simplify = true;                 ///< Collapse short edges, to about one vertex per sample.
-    double trim_length = 0;               ///< Drop triangles farther than this from every point [length], >= 0. 0 = keep closed.
-    int threads = 0;              ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
+    bool smooth = true; ///< The crust passes through clean or denoised samples, and other vertices of a noisy cloud's
+                        ///< crust move onto its AMLS surface.
+    bool simplify = true;   ///< Collapse short edges, to about one vertex per sample.
+    double trim_length = 0; ///< Drop triangles farther than this from every point [length], >= 0. 0 = keep closed.
+    int threads = 0;        ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
 /// Closed oriented surface and what was chosen on the way. Lengths are in input units.
@@ -33,29 +35,29 @@ struct NoisyPowerCrust
     TriangleMesh mesh;               ///< Crust; polygon diagonals are faux edges.
     std::vector<int> nearest_sample; ///< Per crust vertex: index of the nearest input point.
 
-    int points_used = 0;             ///< Distinct input points [count].
-    double spacing = 0;              ///< Median local spacing of the samples [length].
-    double noise = 0;                ///< Standard deviation of the noise, estimated or given [length].
-    double smallest_ball = 0;        ///< Radius of the smallest polar ball kept [length].
-    bool denoised = false;           ///< Whether the samples were projected and thinned first.
-    int samples = 0;                 ///< Samples the crust was made of: points_used, or fewer after thinning, and `completed` [count].
-    int completed = 0;               ///< Samples put on flat faces that had none but on their rims [count].
-    int outliers = 0;                ///< Points far from any surface, left out when denoising [count].
-    int balls_kept = 0;              ///< [count]
-    double violated_votes = 0;       ///< Share of the samples' vote weight that the labels contradict [0..1].
-    int components = 0;              ///< [count]
+    int points_used = 0;      ///< Distinct input points [count].
+    double spacing = 0;       ///< Median local spacing of the samples [length].
+    double noise = 0;         ///< Standard deviation of the noise, estimated or given [length].
+    double smallest_ball = 0; ///< Radius of the smallest polar ball kept [length].
+    bool denoised = false;    ///< Whether the samples were projected and thinned first.
+    int samples = 0; ///< Samples the crust was made of: points_used, or fewer after thinning, and `completed` [count].
+    int completed = 0;         ///< Samples put on flat faces that had none but on their rims [count].
+    int outliers = 0;          ///< Points far from any surface, left out when denoising [count].
+    int balls_kept = 0;        ///< [count]
+    double violated_votes = 0; ///< Share of the samples' vote weight that the labels contradict [0..1].
+    int components = 0;        ///< [count]
     int euler_characteristic = 0;
-    int boundary_loops = 0;          ///< 0 unless trimmed [count].
-    int genus = 0;                   ///< Summed over the components.
-    double cleanness = 0;            ///< Share of samples that look free of noise, as the gate saw it [0..1].
+    int boundary_loops = 0;            ///< 0 unless trimmed [count].
+    int genus = 0;                     ///< Summed over the components.
+    double cleanness = 0;              ///< Share of samples that look free of noise, as the gate saw it [0..1].
     std::vector<std::string> warnings; ///< In words for the user.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };
 
-/// Reconstructs a closed, outward oriented surface from noisy points without normals (Mederos, Amenta, Velho, de Figueiredo
-/// 2005, algorithm 4.1, with a local threshold and a global labelling).
-/// \throws InvalidInput for points that do not span a volume or are not finite, or an option out of range.
-/// \throws AlgorithmFailure if no inner ball is left. \throws Cancelled.
+/// Reconstructs a closed, outward oriented surface from noisy points without normals (Mederos, Amenta, Velho, de
+/// Figueiredo 2005, algorithm 4.1, with a local threshold and a global labelling). \throws InvalidInput for points that
+/// do not span a volume or are not finite, or an option out of range. \throws AlgorithmFailure if no inner ball is
+/// left. \throws Cancelled.
 NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options = {},
                                               const Progress& progress = {});
 

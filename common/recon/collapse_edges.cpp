@@ -1,6 +1,7 @@
 #include <recon/collapse_edges.h>
 
 #include <recon/crust_mesh.h>
+#include <recon/half_edge_mesh.h>
 #include <recon/parallel.h>
 
 #include <Eigen/Geometry>
@@ -42,10 +43,13 @@ public:
         unconditional_ = limits_.size();
         for (int step = 1; step <= 10; ++step)
             limits_.push_back(options.always_below + 0.1 * step * (options.never_above - options.always_below));
+        if (!options.stays.empty())
+            unconditional_ = limits_.size();
 
         vertices_.reserve(mesh.vertices.size());
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-            vertices_.push_back({mesh.vertices[v], scale[v], half_edges.outgoing[v], half_edges.degree[v], merged[v]});
+            vertices_.push_back({mesh.vertices[v], scale[v], half_edges.outgoing[v], half_edges.degree[v], merged[v],
+                                 !options.stays.empty() && options.stays[v]});
         parallel_for(triangles_.size(), options.threads, {},
                      [&](std::size_t t)
                      {
@@ -95,6 +99,7 @@ private:
         int outgoing; ///< A half-edge from here; `gone` where the vertex is.
         int degree;   ///< Triangles here.
         int merged;   ///< Vertices that this one stands for.
+        bool stays;
     };
     /// Vertices on which one thread works.
     struct Block
@@ -130,6 +135,8 @@ private:
     /// Adds h to its class, but not to one before `earliest`.
     void enlist(int h, std::size_t earliest, Block& block)
     {
+        if (vertices_[origin(h)].stays && vertices_[target(h)].stays)
+            return;
         const double length = std::sqrt(squared_length(origin(h), target(h)));
         std::size_t c = earliest;
         while (c < limits_.size() && length > limits_[c])
@@ -221,8 +228,11 @@ private:
     /// that went.
     int visit(int h, std::size_t c, Block& block, int only_in = any_block)
     {
-        if (origin(h) > target(h))
-            h = twin(h); // so that the lower number stays
+        const bool origin_stays = vertices_[origin(h)].stays, target_stays = vertices_[target(h)].stays;
+        if (origin_stays && target_stays)
+            return 0;
+        if (target_stays || (!origin_stays && origin(h) > target(h)))
+            h = twin(h); // so that the lower number is left
         const int a = origin(h), b = target(h);
         const double length2 = squared_length(a, b);
         if (length2 > limits_[c] * limits_[c])
@@ -315,11 +325,8 @@ private:
         add_fan(b, a, around.around_b, around.count_b);
         mean.normalize();
         for (int i = 0; i < count; ++i)
-        {
-            const double size = after[i].norm();
-            if (!(after[i].dot(mean) > 0.2 * size) && !(after[i].dot(before[i]) > 0.7 * size * before[i].norm()))
+            if (!keeps_direction(before[i], after[i], mean))
                 return false;
-        }
         return true;
     }
 
@@ -327,6 +334,8 @@ private:
     Point merge_point(int a, int b) const
     {
         const Vertex &p = vertices_[a], &q = vertices_[b];
+        if (p.stays)
+            return p.position;
         if (p.merged >= 2 * q.merged)
             return p.position;
         if (q.merged >= 2 * p.merged)

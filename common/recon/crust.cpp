@@ -3,18 +3,19 @@
 #include <recon/collapse_edges.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
+#include <recon/interpolate_samples.h>
 #include <recon/weld_clusters.h>
 
 #include <utility>
 
 namespace recon
 {
-
 TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options)
 {
     const CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels, options.threads);
     if (polygons.corners.empty())
-        throw AlgorithmFailure("No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
+        throw AlgorithmFailure(
+            "No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
     TriangleMesh mesh;
     if (options.simplify)
     {
@@ -30,7 +31,22 @@ TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& optio
         EdgeCollapseOptions collapse;
         collapse.target_vertices = options.target_vertices;
         collapse.threads = options.threads;
-        collapse_short_edges(mesh, welded.half_edges, welded.scale, welded.merged, collapse);
+        std::vector<int> seats;
+        if (options.interpolated)
+        {
+            seats = seat_samples(mesh.vertices, *options.interpolated, options.threads);
+            for (const int sample : seats)
+                collapse.stays.push_back(sample >= 0);
+        }
+        const std::vector<int> former =
+            collapse_short_edges(mesh, welded.half_edges, welded.scale, welded.merged, collapse);
+        if (options.interpolated)
+        {
+            std::vector<int> seats_left;
+            for (const int vertex : former)
+                seats_left.push_back(seats[vertex]);
+            interpolate_samples(mesh, seats_left, *options.interpolated, options.threads);
+        }
     }
     else
         mesh = triangulate_polygons(polygons, options.threads);

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <recon/half_edge_mesh.h>
+
+namespace recon
+{
+
+/// Options of flip_edges().
+struct EdgeFlipOptions
+{
+    /// What a flip must save: the sum over the edges of length x difference of the unit normals, by the edges' length
+    /// (> 0). Where less is at stake, a flip that makes the edge Delaunay is made.
+    double gain = 0.01;
+    int most_flips = 10; ///< Per triangle [count], 1..255.
+    int threads = 1;     ///< [count], >= 1. The result does not depend on it.
+};
+
+/// Flips edges as long as that lowers the total bending of the five edges around: the sum of their length times the
+/// difference of the normals beside them (total absolute mean curvature; Dyn, Hormann, Kim, Levin 2001: of all
+/// triangulations of the same points the one with the least is nearest to the surface, and creases become edges). No
+/// triangle turns over. \returns the number of flips.
+int flip_edges(HalfEdgeMesh& mesh, const EdgeFlipOptions& options = {});
+
+} // namespace recon

@@ -1,0 +1,112 @@
+#include <recon/half_edge_mesh.h>
+
+#include <Eigen/Geometry>
+
+#include <utility>
+
+namespace recon
+{
+
+HalfEdgeMesh::HalfEdgeMesh(TriangleMesh& mesh, HalfEdges half_edges) : mesh_(mesh), half_edges_(std::move(half_edges))
+{
+    mesh_.faux_edges.clear();
+}
+
+Vector HalfEdgeMesh::area_vector(int t) const
+{
+    const auto& corners = mesh_.triangles[t];
+    const Point& a = position(corners[0]);
+    return (position(corners[1]) - a).cross(position(corners[2]) - a);
+}
+
+bool HalfEdgeMesh::are_neighbours(int a, int b) const
+{
+    bool found = false;
+    for_each_from(a, [&](int h) { found = found || target(h) == b; });
+    return found;
+}
+
+bool HalfEdgeMesh::move(int v, const Point& to)
+{
+    Vector mean = Vector::Zero();
+    for_each_from(v, [&](int h) { mean += area_vector(h >> 2); });
+    mean.normalize();
+    bool keeps = true;
+    for_each_from(v,
+                  [&](int h)
+                  {
+                      const Vector after = (position(target(h)) - to).cross(position(opposite(h)) - to);
+                      keeps = keeps && keeps_direction(area_vector(h >> 2), after, mean);
+                  });
+    if (keeps)
+        mesh_.vertices[v] = to;
+    return keeps;
+}
+
+bool HalfEdgeMesh::can_flip(int h) const
+{
+    return degree(origin(h)) > 3 && degree(target(h)) > 3 && !are_neighbours(opposite(h), opposite(twin(h)));
+}
+
+void HalfEdgeMesh::flip(int h)
+{
+    const int g = twin(h), t = h >> 2, u = g >> 2;
+    const int a = origin(h), b = target(h), c = opposite(h), d = opposite(g);
+    const int bc = twin(next(h)), ca = twin(previous(h)), ad = twin(next(g)), db = twin(previous(g));
+    put(t, c, a, d);
+    put(u, d, b, c);
+    join(4 * t, ca);
+    join(4 * t + 1, ad);
+    join(4 * u, db);
+    join(4 * u + 1, bc);
+    join(4 * t + 2, 4 * u + 2);
+    --half_edges_.degree[a];
+    --half_edges_.degree[b];
+    ++half_edges_.degree[c];
+    ++half_edges_.degree[d];
+}
+
+bool HalfEdgeMesh::split(int t, const Point& p)
+{
+    const std::array<int, 3> corners = mesh_.triangles[t];
+    const Vector normal = area_vector(t).normalized();
+    std::array<int, 3> outside;
+    for (int k = 0; k < 3; ++k)
+    {
+        const Point& a = position(corners[k]);
+        const Vector part = (position(corners[k == 2 ? 0 : k + 1]) - a).cross(p - a);
+        if (!(part.dot(normal) > 0.2 * part.norm()))
+            return false;
+        outside[k] = twin(4 * t + k);
+    }
+    const int v = vertices(), parts[3] = {t, triangles(), triangles() + 1};
+    mesh_.vertices.push_back(p);
+    mesh_.triangles.resize(mesh_.triangles.size() + 2);
+    half_edges_.twin.resize(mesh_.triangles.size());
+    half_edges_.outgoing.push_back(-1);
+    half_edges_.degree.push_back(3);
+    for (int k = 0; k < 3; ++k)
+    {
+        put(parts[k], corners[k], corners[k == 2 ? 0 : k + 1], v);
+        join(4 * parts[k], outside[k]);
+        join(4 * parts[k] + 1, 4 * parts[k == 2 ? 0 : k + 1] + 2);
+        ++half_edges_.degree[corners[k]];
+    }
+    return true;
+}
+
+void HalfEdgeMesh::put(int t, int a, int b, int c)
+{
+    mesh_.triangles[t] = {a, b, c};
+    half_edges_.outgoing[a] = 4 * t;
+    half_edges_.outgoing[b] = 4 * t + 1;
+    half_edges_.outgoing[c] = 4 * t + 2;
+}
+
+void HalfEdgeMesh::join(int h, int g)
+{
+    half_edges_.twin[h >> 2][h & 3] = g;
+    half_edges_.twin[g >> 2][g & 3] = h;
+}
+
+} // namespace recon

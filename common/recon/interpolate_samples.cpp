@@ -1,0 +1,171 @@
+#include <recon/interpolate_samples.h>
+
+#include <recon/block_search.h>
+#include <recon/flip_edges.h>
+#include <recon/half_edge_mesh.h>
+#include <recon/parallel.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// A sample farther from the surface than this belongs to another part [longest side of the triangle there].
+constexpr double farthest = 0.5;
+/// Moves that neighbours forbid succeed when these have moved and edges have flipped.
+constexpr int rounds = 2;
+
+/// Squared distance to a triangle.
+double squared_distance(const Point& p, const Point& a, const Point& b, const Point& c)
+{
+    const Vector normal = (b - a).cross(c - a);
+    double least = 1e300;
+    bool is_above = true;
+    const Point* corners[4] = {&a, &b, &c, &a};
+    for (int k = 0; k < 3; ++k)
+    {
+        const Vector side = *corners[k + 1] - *corners[k], offset = p - *corners[k];
+        const double t = std::clamp(offset.dot(side) / side.squaredNorm(), 0.0, 1.0);
+        least = std::min(least, (offset - t * side).squaredNorm());
+        is_above = is_above && side.cross(offset).dot(normal) >= 0;
+    }
+    const double height = normal.dot(p - a);
+    return is_above ? height * height / normal.squaredNorm() : least;
+}
+
+class Interpolator
+{
+public:
+    Interpolator(TriangleMesh& mesh, const std::vector<int>& seats, const Points& samples, int threads)
+        : mesh_(mesh, pair_half_edges(mesh, threads)), samples_(samples), seats_(seats), is_vertex_(samples.size(), 0),
+          threads_(threads)
+    {
+    }
+
+    int run()
+    {
+        EdgeFlipOptions flips;
+        flips.threads = threads_;
+        for (int round = 0; round < rounds; ++round)
+        {
+            int changed = move_to_seats();
+            changed += insert_missing();
+            if (changed == 0)
+                break;
+            flip_edges(mesh_, flips);
+        }
+        return int(std::count(is_vertex_.begin(), is_vertex_.end(), 1));
+    }
+
+private:
+    int move_to_seats()
+    {
+        int moved = 0;
+        for (int v = 0; v < int(seats_.size()); ++v)
+            if (const int sample = seats_[v];
+                sample >= 0 && !is_vertex_[sample] && is_near(v, samples_[sample]) && mesh_.move(v, samples_[sample]))
+            {
+                is_vertex_[sample] = 1;
+                ++moved;
+            }
+        return moved;
+    }
+
+    bool is_near(int v, const Point& sample) const
+    {
+        double longest = 0;
+        mesh_.for_each_from(
+            v, [&](int h)
+            { longest = std::max(longest, (mesh_.position(v) - mesh_.position(mesh_.target(h))).squaredNorm()); });
+        return (mesh_.position(v) - sample).squaredNorm() < farthest * farthest * longest;
+    }
+
+    int insert_missing()
+    {
+        std::vector<char> has_seat(samples_.size(), 0);
+        for (const int sample : seats_)
+            if (sample >= 0)
+                has_seat[sample] = 1;
+        Points vertices;
+        for (int v = 0; v < mesh_.vertices(); ++v)
+            vertices.push_back(mesh_.position(v));
+        const BlockSearch search(vertices);
+        int inserted = 0;
+        for (std::size_t i = 0; i < samples_.size(); ++i)
+            if (!is_vertex_[i] && !has_seat[i] && insert(samples_[i], search))
+            {
+                is_vertex_[i] = 1;
+                ++inserted;
+            }
+        return inserted;
+    }
+
+    bool insert(const Point& p, const BlockSearch& search)
+    {
+        constexpr int around = 3;
+        int vertices[around], nearest = -1;
+        double squared[around], least = 1e300;
+        const int count = search.nearest(p, around, vertices, squared);
+        for (int k = 0; k < count; ++k)
+            mesh_.for_each_from(vertices[k],
+                                [&](int h)
+                                {
+                                    const double here = squared_distance(p, mesh_.position(mesh_.origin(h)),
+                                                                         mesh_.position(mesh_.target(h)),
+                                                                         mesh_.position(mesh_.opposite(h)));
+                                    if (here < least)
+                                    {
+                                        least = here;
+                                        nearest = h >> 2;
+                                    }
+                                });
+        double longest = 0;
+        for (int h = 4 * nearest; h < 4 * nearest + 3; ++h)
+            longest =
+                std::max(longest, (mesh_.position(mesh_.origin(h)) - mesh_.position(mesh_.target(h))).squaredNorm());
+        return least < farthest * farthest * longest && mesh_.split(nearest, p);
+    }
+
+    HalfEdgeMesh mesh_;
+    const Points& samples_;
+    const std::vector<int>& seats_;
+    std::vector<char> is_vertex_; ///< Per sample.
+    int threads_;
+};
+
+} // namespace
+
+std::vector<int> seat_samples(const Points& vertices, const Points& samples, int threads)
+{
+    const BlockSearch search(samples);
+    struct Nearest
+    {
+        int sample;
+        double squared;
+    };
+    std::vector<Nearest> nearest(vertices.size());
+    parallel_for(vertices.size(), threads, {},
+                 [&](std::size_t v) { search.nearest(vertices[v], 1, &nearest[v].sample, &nearest[v].squared); });
+    std::vector<int> seat(samples.size(), -1);
+    for (int v = 0; v < int(vertices.size()); ++v)
+        if (int& taken = seat[nearest[v].sample]; taken < 0 || nearest[v].squared < nearest[taken].squared)
+            taken = v;
+    std::vector<int> result(vertices.size(), -1);
+    for (int i = 0; i < int(seat.size()); ++i)
+        if (seat[i] >= 0)
+            result[seat[i]] = i;
+    return result;
+}
+
+int interpolate_samples(TriangleMesh& mesh, const std::vector<int>& seats, const Points& samples, int threads)
+{
+    return mesh.triangles.empty() ? 0 : Interpolator(mesh, seats, samples, threads).run();
+}
+
+} // namespace recon

@@ -1,0 +1,227 @@
+#include <recon/collapse_edges.h>
+#include <recon/crust.h>
+#include <recon/flip_edges.h>
+#include <recon/half_edge_mesh.h>
+#include <recon/interpolate_samples.h>
+#include <recon/labelled_balls.h>
+
+#include <gtest/gtest.h>
+
+#include <tests/checks.h>
+#include <tests/shapes.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+using namespace recon;
+
+namespace
+{
+
+/// Crust of clean samples, through them if asked.
+TriangleMesh crust_of(const Points& samples, bool through, int threads = 1)
+{
+    PhaseTimes times;
+    CrustOptions options;
+    options.target_vertices = int(samples.size());
+    options.threads = threads;
+    options.interpolated = through ? &samples : nullptr;
+    return make_crust(label_polar_balls(samples, {}, {}, times), options);
+}
+
+int count_samples_among(const Points& vertices, const Points& samples)
+{
+    const auto is_less = [](const Point& p, const Point& q)
+    { return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3); };
+    Points sorted = vertices;
+    std::sort(sorted.begin(), sorted.end(), is_less);
+    return int(std::count_if(samples.begin(), samples.end(),
+                             [&](const Point& p)
+                             { return std::binary_search(sorted.begin(), sorted.end(), p, is_less); }));
+}
+
+/// Grid of (steps + 1) x (steps + 1) vertices over a unit square with height(x, y), closed by a bottom at -1; all
+/// diagonals run the same way.
+template <class Height>
+TriangleMesh block_with_top(int steps, Height&& height)
+{
+    TriangleMesh mesh;
+    const auto vertex = [&](int x, int y, int level)
+    { return level * (steps + 1) * (steps + 1) + y * (steps + 1) + x; };
+    for (const int level : {0, 1})
+        for (int y = 0; y <= steps; ++y)
+            for (int x = 0; x <= steps; ++x)
+            {
+                const double u = double(x) / steps, v = double(y) / steps;
+                mesh.vertices.emplace_back(u, v, level == 0 ? -1 : height(u, v));
+            }
+    const auto add = [&](int a, int b, int c, int d)
+    {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+    };
+    for (int k = 0; k < steps; ++k)
+    {
+        for (int j = 0; j < steps; ++j)
+        {
+            add(vertex(j, k, 1), vertex(j + 1, k, 1), vertex(j + 1, k + 1, 1), vertex(j, k + 1, 1));
+            add(vertex(j, k, 0), vertex(j, k + 1, 0), vertex(j + 1, k + 1, 0), vertex(j + 1, k, 0));
+        }
+        add(vertex(k, 0, 0), vertex(k + 1, 0, 0), vertex(k + 1, 0, 1), vertex(k, 0, 1));
+        add(vertex(k + 1, steps, 0), vertex(k, steps, 0), vertex(k, steps, 1), vertex(k + 1, steps, 1));
+        add(vertex(0, k + 1, 0), vertex(0, k, 0), vertex(0, k, 1), vertex(0, k + 1, 1));
+        add(vertex(steps, k, 0), vertex(steps, k + 1, 0), vertex(steps, k + 1, 1), vertex(steps, k, 1));
+    }
+    return mesh;
+}
+
+TEST(InterpolateSamples, ACrustOfCleanSamplesHasThemAsVertices)
+{
+    const Points samples = shapes::torus(4000, 0.35, 0.12, 1).points;
+    const TriangleMesh mesh = crust_of(samples, true), plain = crust_of(samples, false);
+    const checks::MeshReport report = checks::examine_mesh(mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 1);
+    EXPECT_GE(count_samples_among(mesh.vertices, samples), 3960);
+    EXPECT_LE(mesh.vertices.size(), 4040u);
+    EXPECT_LT(count_samples_among(plain.vertices, samples), 3000);
+}
+
+TEST(InterpolateSamples, CreasesBecomeEdges)
+{
+    const Vector sides(0.6, 0.5, 0.4);
+    Points samples = shapes::box(5000, sides, 1).points;
+    // On the edges too, as scans of sharp models have them.
+    for (int axis = 0; axis < 3; ++axis)
+        for (int edge = 0; edge < 4; ++edge)
+            for (int k = 0; k <= 40; ++k)
+            {
+                Point p;
+                p[axis] = (k / 40.0 - 0.5) * sides[axis];
+                p[(axis + 1) % 3] = (edge & 1 ? 0.5 : -0.5) * sides[(axis + 1) % 3];
+                p[(axis + 2) % 3] = (edge & 2 ? 0.5 : -0.5) * sides[(axis + 2) % 3];
+                if (axis == 0 || (k > 0 && k < 40)) // corners once
+                    samples.push_back(p);
+            }
+    const auto missing_volume = [&](bool through)
+    {
+        const checks::MeshReport report = checks::examine_mesh(crust_of(samples, through));
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_EQ(report.genus(), 0);
+        return std::abs(1 - report.volume / sides.prod());
+    };
+    EXPECT_LT(missing_volume(true), 0.2 * missing_volume(false));
+}
+
+TEST(InterpolateSamples, LeavesOutWhatLiesOffTheSurface)
+{
+    const TriangleMesh block = block_with_top(4, [](double, double) { return 0; });
+    const int centre = 25 + 2 * 5 + 2; // of the top
+    const auto through = [&](double height)
+    {
+        TriangleMesh mesh = block;
+        Points samples = block.vertices;
+        const Point lifted = samples[centre] + Point(0, 0, height), above = Point(0.17, 0.08, height);
+        samples[centre] = lifted;
+        samples.push_back(above);
+        interpolate_samples(mesh, seat_samples(mesh.vertices, samples), samples);
+        EXPECT_TRUE(checks::examine_mesh(mesh).is_closed_oriented_manifold());
+        return std::pair(count_samples_among(mesh.vertices, {lifted}), count_samples_among(mesh.vertices, {above}));
+    };
+    EXPECT_EQ(through(0.05), std::pair(1, 1));
+    EXPECT_EQ(through(0.2), std::pair(0, 0));
+}
+
+TEST(InterpolateSamples, IsTheSameForAnyNumberOfThreads)
+{
+    const Points samples = shapes::ellipsoid(6000, Vector(0.4, 0.3, 0.2), 1).points;
+    const TriangleMesh one = crust_of(samples, true, 1), three = crust_of(samples, true, 3);
+    EXPECT_EQ(one.vertices, three.vertices);
+    EXPECT_EQ(one.triangles, three.triangles);
+}
+
+TEST(SeatSamples, GivesEachSampleTheNearestOfItsVertices)
+{
+    const Points samples = {Point(0, 0, 0), Point(1, 0, 0), Point(9, 0, 0)};
+    const Points vertices = {Point(0.2, 0, 0), Point(0.1, 0, 0), Point(0.8, 0, 0), Point(0.4, 0, 0)};
+    EXPECT_EQ(seat_samples(vertices, samples), (std::vector<int>{-1, 0, 1, -1}));
+}
+
+TEST(FlipEdges, LaysEdgesAlongARidge)
+{
+    // The ridge runs along the diagonals that the grid does not have.
+    const auto roof = [](double x, double y) { return -std::abs(x + y - 1); };
+    TriangleMesh mesh = block_with_top(8, roof);
+    HalfEdgeMesh edited(mesh, pair_half_edges(mesh));
+    EXPECT_GE(flip_edges(edited), 8);
+    const checks::MeshReport report = checks::examine_mesh(mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    // 1 below the top's level, less the two halves of the roof.
+    EXPECT_NEAR(report.volume, 1 - 1.0 / 3, 1e-12);
+    EXPECT_EQ(flip_edges(edited), 0);
+}
+
+TEST(FlipEdges, MakesFlatPartsDelaunay)
+{
+    TriangleMesh mesh = block_with_top(6, [](double, double) { return 0; });
+    for (Point& p : mesh.vertices)
+        p.x() += 3 * p.y(); // sheared: the other diagonals are shorter
+    HalfEdgeMesh edited(mesh, pair_half_edges(mesh));
+    EXPECT_GT(flip_edges(edited), 2 * 36 - 1);
+    EXPECT_TRUE(checks::examine_mesh(mesh).is_closed_oriented_manifold());
+    EXPECT_NEAR(checks::examine_mesh(mesh).volume, 1, 1e-12);
+}
+
+TEST(FlipEdges, LeavesATetrahedronAlone)
+{
+    TriangleMesh mesh;
+    mesh.vertices = {Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0.3, 0.3, 0.01)};
+    mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    HalfEdgeMesh edited(mesh, pair_half_edges(mesh));
+    EXPECT_EQ(flip_edges(edited), 0);
+}
+
+TEST(HalfEdgeMesh, RefusesToTurnTrianglesOver)
+{
+    TriangleMesh mesh = block_with_top(4, [](double, double) { return 0; });
+    HalfEdgeMesh edited(mesh, pair_half_edges(mesh));
+    const int centre = 25 + 2 * 5 + 2; // of the top
+    EXPECT_FALSE(edited.move(centre, Point(0.9, 0.5, 0)));
+    EXPECT_EQ(mesh.vertices[centre], Point(0.5, 0.5, 0));
+    EXPECT_TRUE(edited.move(centre, Point(0.55, 0.5, 0)));
+    EXPECT_FALSE(edited.split(0, Point(0.9, 0.9, 0)));
+    const auto corners = mesh.triangles[0];
+    const std::size_t before = mesh.vertices.size();
+    EXPECT_TRUE(
+        edited.split(0, (mesh.vertices[corners[0]] + mesh.vertices[corners[1]] + mesh.vertices[corners[2]]) / 3));
+    EXPECT_EQ(mesh.vertices.size(), before + 1);
+    EXPECT_TRUE(checks::examine_mesh(mesh).is_closed_oriented_manifold());
+}
+
+TEST(CollapseShortEdges, VerticesThatStayAreAllThatIsLeft)
+{
+    const Points samples = shapes::sphere(3000, 0.5, 1).points;
+    const TriangleMesh crust = crust_of(samples, false);
+    EdgeCollapseOptions options;
+    options.never_above = 3;
+    for (std::size_t v = 0; v < crust.vertices.size(); ++v)
+        options.stays.push_back(v % 3 == 0);
+    TriangleMesh mesh = crust;
+    const std::vector<double> scale(crust.vertices.size(), 0.05);
+    const std::vector<int> merged(crust.vertices.size(), 1);
+    const std::vector<int> former = collapse_short_edges(mesh, pair_half_edges(mesh), scale, merged, options);
+    EXPECT_TRUE(checks::examine_mesh(mesh).is_closed_oriented_manifold());
+    int stayed = 0;
+    for (std::size_t v = 0; v < former.size(); ++v)
+        if (former[v] % 3 == 0)
+        {
+            ++stayed;
+            EXPECT_EQ(mesh.vertices[v], crust.vertices[former[v]]);
+        }
+    EXPECT_EQ(stayed, int(crust.vertices.size() + 2) / 3);
+    EXPECT_LE(former.size(), 1.01 * stayed);
+}
+
+} // namespace
