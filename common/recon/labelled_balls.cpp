@@ -143,8 +143,9 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
 
     // Steps 2 and 3.
     times.begin("polar balls");
-    Poles poles = oriented ? find_poles_along_normals(delaunay, samples, normals) : find_poles(delaunay, samples);
-    find_slant_poles(delaunay, samples, poles);
+    Poles poles =
+        oriented ? find_poles_along_normals(delaunay, samples, normals, threads) : find_poles(delaunay, samples, threads);
+    find_slant_poles(delaunay, samples, poles, threads);
     const BallScale scale =
         oriented ? choose_fine_scale(spacing) : choose_scale(spacing, free_samples, delaunay, poles, options.noise, threads);
     PolarBalls kept = keep_polar_balls(delaunay, samples, poles,

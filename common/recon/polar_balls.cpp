@@ -1,49 +1,75 @@
 #include <recon/polar_balls.h>
 
+#include <recon/parallel.h>
+
+#include <algorithm>
+
 namespace recon
 {
 namespace
 {
 
+/// Calls body(cell, vertex) for all finite cells and their vertices below `samples`; for each vertex on one thread, by
+/// ascending cells.
+template <class Body>
+void for_each_corner(const Triangulation& delaunay, std::size_t samples, int threads, Body&& body)
+{
+    constexpr int most_parts = 8; // each walks through all cells
+    const std::size_t parts = std::size_t(std::clamp(threads, 1, most_parts));
+    parallel_for(
+        parts, threads, {},
+        [&](std::size_t part)
+        {
+            const int begin = int(samples * part / parts), end = int(samples * (part + 1) / parts);
+            for (int c = 0; c < delaunay.finite_cells; ++c)
+                for (const int v : delaunay.cells[c].vertices)
+                    if (v >= begin && v < end)
+                        body(c, v);
+        },
+        1);
+}
+
 /// Per sample, the farthest Voronoi vertex among those for which accept(sample, offset) holds.
 template <class Accept>
-void find_farthest(const Triangulation& delaunay, const Points& samples, int which, Poles& poles, Accept&& accept)
+void find_farthest(const Triangulation& delaunay, const Points& samples, int which, int threads, Poles& poles,
+                   Accept&& accept)
 {
     std::vector<double> farthest(samples.size(), 0);
-    for (int c = 0; c < delaunay.finite_cells; ++c)
-        for (const int v : delaunay.cells[c].vertices)
-        {
-            const Vector offset = delaunay.centres[c] - samples[v];
-            const double squared = offset.squaredNorm();
-            if (squared > farthest[v] && accept(v, offset))
-            {
-                farthest[v] = squared;
-                poles.cells[v][which] = c;
-            }
-        }
+    for_each_corner(delaunay, samples.size(), threads,
+                    [&](int c, int v)
+                    {
+                        const Vector offset = delaunay.centres[c] - samples[v];
+                        const double squared = offset.squaredNorm();
+                        if (squared > farthest[v] && accept(v, offset))
+                        {
+                            farthest[v] = squared;
+                            poles.cells[v][which] = c;
+                        }
+                    });
 }
 
 } // namespace
 
-Poles find_poles(const Triangulation& delaunay, const Points& samples)
+Poles find_poles(const Triangulation& delaunay, const Points& samples, int threads)
 {
     Poles poles;
     poles.cells.assign(samples.size(), {Poles::none, Poles::none});
-    find_farthest(delaunay, samples, 0, poles, [](int, const Vector&) { return true; });
+    find_farthest(delaunay, samples, 0, threads, poles, [](int, const Vector&) { return true; });
     const auto opposes_first = [&](int v, const Vector& offset)
     { return offset.dot(delaunay.centres[poles.cells[v][0]] - samples[v]) < 0; };
-    find_farthest(delaunay, samples, 1, poles, opposes_first);
+    find_farthest(delaunay, samples, 1, threads, poles, opposes_first);
     return poles;
 }
 
-Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samples, const Vectors& normals)
+Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samples, const Vectors& normals,
+                               int threads)
 {
     Poles poles;
     poles.cells.assign(samples.size(), {Poles::none, Poles::none});
     const int oriented = int(normals.size());
-    find_farthest(delaunay, samples, 0, poles,
+    find_farthest(delaunay, samples, 0, threads, poles,
                   [&](int v, const Vector& offset) { return v >= oriented || offset.dot(normals[v]) > 0; });
-    find_farthest(delaunay, samples, 1, poles,
+    find_farthest(delaunay, samples, 1, threads, poles,
                   [&](int v, const Vector& offset)
                   {
                       const Vector direction =
@@ -53,7 +79,7 @@ Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samp
     return poles;
 }
 
-void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles)
+void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles, int threads)
 {
     constexpr double largest_squared_cosine = 0.5, smallest_squared_ratio = 0.49;
     struct Side
@@ -70,24 +96,24 @@ void find_slant_poles(const Triangulation& delaunay, const Points& samples, Pole
                 sides[v][k].squared = sides[v][k].pole.squaredNorm();
             }
     poles.slant.assign(samples.size(), {Poles::none, Poles::none});
-    for (int c = 0; c < delaunay.finite_cells; ++c)
-        for (const int v : delaunay.cells[c].vertices)
-        {
-            if (v >= int(sides.size()))
-                continue;
-            const Vector offset = delaunay.centres[c] - samples[v];
-            const double squared = offset.squaredNorm();
-            for (int k = 0; k < 2; ++k)
-            {
-                Side& own = sides[v][k];
-                const double along = offset.dot(own.pole);
-                if (along <= 0 || squared <= own.farthest || squared < smallest_squared_ratio * own.squared ||
-                    along * along > largest_squared_cosine * squared * own.squared || offset.dot(sides[v][1 - k].pole) > 0)
-                    continue;
-                own.farthest = squared;
-                poles.slant[v][k] = c;
-            }
-        }
+    for_each_corner(delaunay, sides.size(), threads,
+                    [&](int c, int v)
+                    {
+                        const Vector offset = delaunay.centres[c] - samples[v];
+                        const double squared = offset.squaredNorm();
+                        for (int k = 0; k < 2; ++k)
+                        {
+                            Side& own = sides[v][k];
+                            const double along = offset.dot(own.pole);
+                            if (along <= 0 || squared <= own.farthest ||
+                                squared < smallest_squared_ratio * own.squared ||
+                                along * along > largest_squared_cosine * squared * own.squared ||
+                                offset.dot(sides[v][1 - k].pole) > 0)
+                                continue;
+                            own.farthest = squared;
+                            poles.slant[v][k] = c;
+                        }
+                    });
 }
 
 void append_box_corners(Points& samples)

@@ -11,8 +11,8 @@
 namespace recon
 {
 
-/// The poles of each sample (Amenta and Bern 1999; Mederos et al. 2005, algorithm 4.1 step 2): the two Voronoi vertices of
-/// its cell farthest from it, one on either side. -1: there is none.
+/// The poles of each sample (Amenta and Bern 1999; Mederos et al. 2005, algorithm 4.1 step 2): the two Voronoi vertices
+/// of its cell farthest from it, one on either side. -1: there is none.
 struct Poles
 {
     static constexpr int none = -1;
@@ -20,17 +20,19 @@ struct Poles
     std::vector<std::array<int, 2>> slant; ///< Per sample: those of the slant poles beside them. May be empty.
 };
 
-/// First pole: the farthest Voronoi vertex. Second: the farthest in the half space away from the first.
-Poles find_poles(const Triangulation& delaunay, const Points& samples);
+/// First pole: the farthest Voronoi vertex. Second: the farthest in the half space away from the first. `threads` >= 1
+/// here and below; the result does not depend on it.
+Poles find_poles(const Triangulation& delaunay, const Points& samples, int threads = 1);
 
 /// With normals: first pole = farthest Voronoi vertex on the outer side, second = farthest on the inner side.
 /// Samples beyond the normals (the corners of the box) get poles as without.
-Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samples, const Vectors& normals);
+Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samples, const Vectors& normals,
+                               int threads = 1);
 
-/// Finds the slant poles: on either side the farthest Voronoi vertex 45 degrees or more from the pole and at least 0.7 times as
-/// far. A well sampled cell is slender and has none. Where samples lie in rings around a limb, or on the rims of bare flats, a
-/// cell reaches past its ring to both sides, and the pole alone leaves one of them without a ball.
-void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles);
+/// Finds the slant poles: on either side the farthest Voronoi vertex 45 degrees or more from the pole and at least 0.7
+/// times as far. A well sampled cell is slender and has none. Where samples lie in rings around a limb, or on the rims
+/// of bare flats, a cell reaches past its ring to both sides, and the pole alone leaves one of them without a ball.
+void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles, int threads = 1);
 
 /// Polar balls that were kept. Many samples share one ball.
 struct PolarBalls
@@ -39,7 +41,7 @@ struct PolarBalls
     std::vector<std::array<int, 4>> touched;   ///< Per ball: the four samples on its boundary.
     std::vector<std::array<int, 2>> of_sample; ///< Per sample: its kept balls (first, second pole) or Poles::none.
     std::vector<std::array<int, 2>> slant_of_sample; ///< The same of its slant poles.
-    std::vector<char> is_outside;              ///< Per ball: polar ball of a corner of the bounding box.
+    std::vector<char> is_outside;                    ///< Per ball: polar ball of a corner of the bounding box.
 };
 
 /// Corners of the box that keeps every Voronoi cell of the samples bounded, +-2.5 in every coordinate (UnitFrame).

@@ -91,6 +91,22 @@ TEST(FindPoles, ReachTheMedialAxisOfATorus)
     EXPECT_GT(same, 3960);
 }
 
+TEST(FindPoles, AreTheSameForAnyNumberOfThreads)
+{
+    const OrientedSamples oriented = shapes::box(500, Vector(0.7, 0.5, 0.4), 1); // with slant poles
+    Points samples = oriented.points;
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    Poles one = find_poles(delaunay, samples), three = find_poles(delaunay, samples, 3);
+    EXPECT_EQ(one.cells, three.cells);
+    EXPECT_EQ(find_poles_along_normals(delaunay, samples, oriented.normals).cells,
+              find_poles_along_normals(delaunay, samples, oriented.normals, 3).cells);
+    find_slant_poles(delaunay, samples, one);
+    find_slant_poles(delaunay, samples, three, 3);
+    EXPECT_EQ(one.slant, three.slant);
+    EXPECT_NE(one.slant, decltype(one.slant)(samples.size(), {Poles::none, Poles::none}));
+}
+
 TEST(FindSlantPoles, FillTheGapsBetweenRingsAndAreNotNeededElsewhere)
 {
     // A limb of radius 1 sampled in rings; from both its sides every second gap is the smaller one.
