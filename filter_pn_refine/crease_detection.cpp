@@ -10,7 +10,7 @@
 namespace recon::pn
 {
 
-HoleFill detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle)
+AddedSamples detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle)
 {
     struct Pair
     {
@@ -37,7 +37,7 @@ HoleFill detect_creases(const UsableSamples& usable, const NeighbourSearch& sear
     spacing /= double(std::max<std::size_t>(points.size(), 1));
     std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.length < b.length; });
 
-    HoleFill creases;
+    AddedSamples creases;
     SparseSet taken(0.7 * spacing);
     for (std::size_t i = 0; i < points.size(); ++i)
         if (usable.is_crease[i])

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hole_filling.h"
+#include "added_samples.h"
 #include "usable_samples.h"
 
 #include <recon/neighbours.h>
@@ -12,6 +12,6 @@ namespace recon::pn
 /// and 2 k + 1 of the result share their position). Where near points' normals differ by more than `crease_angle`
 /// [radians], the crease runs along the intersection of their tangent planes; it is sampled about as densely as the
 /// cloud.
-HoleFill detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle);
+AddedSamples detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle);
 
 } // namespace recon::pn

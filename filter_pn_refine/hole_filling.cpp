@@ -7,10 +7,10 @@
 
 namespace recon::pn
 {
-HoleFill fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
-                    const std::function<Refined(const OrientedSamples&, int steps)>& refine)
+AddedSamples fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
+                        const std::function<Refined(const OrientedSamples&, int steps)>& refine)
 {
-    HoleFill fill;
+    AddedSamples fill;
     const int n = int(usable.input.size());
     // Radius of a fan without its factor: a little more than the spacing.
     const auto spacing = [&](int i) { return fans.radius[std::size_t(i)] / 1.5; };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "added_samples.h"
 #include "initial_fans.h"
 #include "usable_samples.h"
 
@@ -8,14 +9,6 @@
 
 namespace recon::pn
 {
-
-/// Points that close holes, as dense as the samples around them.
-struct HoleFill
-{
-    OrientedSamples samples;
-    std::vector<std::array<int, 3>>
-        parents; ///< Usable samples, or (from their number on) points of the fill before it.
-};
 
 /// What `refine` returns: appended points and their parents.
 struct Refined
@@ -27,8 +20,9 @@ struct Refined
 
 /// Fills holes up to `hole_radius` [units of the samples]. Radii that overlap a hole, as the paper has it, are only
 /// helpful among points as far apart as the hole is wide: so the samples around rims are thinned to that distance,
-/// refined by `refine` until they are dense again, and of what that makes the points in the holes are kept.
-HoleFill fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
-                    const std::function<Refined(const OrientedSamples&, int steps)>& refine);
+/// refined by `refine` until they are dense again, and of what that makes the points in the holes are kept, as dense as
+/// the samples around them.
+AddedSamples fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
+                        const std::function<Refined(const OrientedSamples&, int steps)>& refine);
 
 } // namespace recon::pn

@@ -1,6 +1,7 @@
 #include "refine.h"
 
 #include "crease_detection.h"
+#include "fold_samples.h"
 #include "hole_filling.h"
 #include "initial_fans.h"
 #include "normal_repair.h"
@@ -131,16 +132,19 @@ public:
                 put_in(usable, detect_creases(usable, *usable.search, options_.crease_angle * radians), true);
             update_nearest(usable, threads_);
         }
-        InitialFans fans =
-            find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease,
-                              options_.crease_angle * radians, 1.5, threads_, progress.part(0.06, 0.15, "radii"));
+        InitialFans fans = find_fans(usable, progress.part(0.06, 0.12, "radii"));
         if (options_.hole_radius > 0 && fill(usable, fans))
+            prepare_again(usable, fans);
+        std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
+        // Twice: what the first pass made shows the way to more.
+        for (int pass = 0; !options_.fast && pass < 2; ++pass)
         {
-            update_nearest(usable, threads_);
-            fans = find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease,
-                                     options_.crease_angle * radians, 1.5, threads_, {});
+            if (!put_into_folds(usable, fans, spacing,
+                                progress.part(0.12 + 0.015 * pass, 0.135 + 0.015 * pass, "folds")))
+                break;
+            prepare_again(usable, fans);
+            spacing = find_spacing(usable.samples, usable.nearest, threads_);
         }
-        const std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
         usable.nearest = {};
         usable.search.reset();
         find_segments(usable, fans);
@@ -189,6 +193,28 @@ private:
                                        " turned over, since most neighbours contradict.");
     }
 
+    InitialFans find_fans(const UsableSamples& usable, const Progress& progress) const
+    {
+        return find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease,
+                                 options_.crease_angle * radians, 1.5, threads_, progress);
+    }
+
+    /// After samples have been added.
+    void prepare_again(UsableSamples& usable, InitialFans& fans) const
+    {
+        update_nearest(usable, threads_);
+        fans = find_fans(usable, {});
+    }
+
+    /// Puts points into folds. \returns false if there are none.
+    bool put_into_folds(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
+                        const Progress& progress)
+    {
+        const int made = put_in(usable, sample_folds(usable, fans, spacing, threads_, progress), false);
+        result_.fold_points += made;
+        return made > 0;
+    }
+
     /// Puts points into holes. \returns false if there is nothing to fill.
     bool fill(UsableSamples& usable, const InitialFans& fans)
     {
@@ -201,14 +227,14 @@ private:
             PnRefinement r = refine_points(samples, options);
             return Refined{std::move(r.points), std::move(r.normals), std::move(r.parents)};
         };
-        const HoleFill fill =
+        const AddedSamples fill =
             fill_holes(usable, fans, options_.boundary_angle * radians, options_.hole_radius / frame_.scale(), refine);
         result_.hole_points = put_in(usable, fill, false);
         return result_.hole_points > 0;
     }
 
     /// Adds made samples to the result and to what is refined. \returns how many.
-    int put_in(UsableSamples& usable, const HoleFill& made, bool is_crease)
+    int put_in(UsableSamples& usable, const AddedSamples& made, bool is_crease)
     {
         const int n = int(usable.input.size()), before = input_count_ + int(result_.points.size());
         for (std::size_t i = 0; i < made.samples.points.size(); ++i)

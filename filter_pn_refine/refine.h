@@ -71,6 +71,7 @@ struct PnRefinement
     int crease_points =
         0; ///< Points put onto detected creases before the first step, two at each position; they come first.
     int hole_points = 0; ///< Points put into holes before the first step; they come next.
+    int fold_points = 0; ///< Points put into folds that the samples show too sparsely; they come after those.
     int left_out = 0;    ///< Input points that took no part: duplicates, without normal, isolated.
     std::vector<std::pair<std::string, double>> seconds; ///< Per phase.
     std::vector<std::string> warnings;

@@ -1,5 +1,26 @@
 // Refinement of the points of one leaf (section 5). No include guard: see lanes.h.
 
+/// The point nearest to a place, and how far from the place its plane passes by. Per lane.
+struct NearestPlane
+{
+    Floats squared, height;
+
+    PN_INLINE void look(Floats dx, Floats dy, Floats dz, Floats nx, Floats ny, Floats nz)
+    {
+        const Floats d2 = dx * dx + dy * dy + dz * dz;
+        const Mask is_nearer = below(d2, squared);
+        squared = select(is_nearer, d2, squared);
+        height = select(is_nearer, dx * nx + dy * ny + dz * nz, height);
+    }
+    PN_INLINE bool is_nearer_than(float distance) const { return below(squared, all(distance * distance)) != 0; }
+    PN_INLINE bool is_steep() const
+    {
+        constexpr float most = LocalRules::largest_slope * LocalRules::largest_slope;
+        const int lane = largest_lane(0xFFFFu, 1 / (squared + 1e-30f));
+        return height[lane] * height[lane] > most * squared[lane];
+    }
+};
+
 struct PointRefiner
 {
     const RefineStep& step;
@@ -103,25 +124,24 @@ struct PointRefiner
         join({a.angle[k], a.x[k], a.y[k], a.z[k], a.nx[k], a.ny[k], a.nz[k], a.source[k] | new_member}, curved, f);
     }
 
-    /// Whether a new point may not lie at (x, y, z): nearer than `least` to an old or a new point, or inside the
-    /// discard space.
+    /// Whether a new point may not lie at (x, y, z): nearer than `least` to an old or a new point, inside the discard
+    /// space, or far above or below its nearest point.
     PN_INLINE bool is_discarded(const Centre& c, float x, float y, float z, float least) const
     {
-        const float least2 = least * least;
-        Mask bad = x * x + y * y + z * z < least2;
-        const auto squared = [&](const float* px, const float* py, const float* pz)
-        {
-            const Floats dx = load<Floats>(px) - x, dy = load<Floats>(py) - y, dz = load<Floats>(pz) - z;
-            return dx * dx + dy * dy + dz * dz;
-        };
         const Ring& ring = w.ring;
         const Arrivals& a = w.arrivals;
+        NearestPlane nearest{all(x * x + y * y + z * z), all(x * c.n[0] + y * c.n[1] + z * c.n[2])};
         for (int k = 0; k < ring.count; k += lane_count)
-            bad |= below(squared(ring.x + k, ring.y + k, ring.z + k), all(least2));
+            nearest.look(load<Floats>(ring.x + k) - x, load<Floats>(ring.y + k) - y, load<Floats>(ring.z + k) - z,
+                         load<Floats>(ring.nx + k), load<Floats>(ring.ny + k), load<Floats>(ring.nz + k));
+        if (nearest.is_nearer_than(least) || nearest.is_steep())
+            return true;
+        Mask bad = 0;
         for (int k = 0; k < a.count; k += lane_count)
         {
-            const Floats reach = larger(load<Floats>(a.reach + k), all(least));
-            bad |= below(squared(a.x + k, a.y + k, a.z + k), reach * reach) & first_lanes(a.count - k);
+            const Floats dx = load<Floats>(a.x + k) - x, dy = load<Floats>(a.y + k) - y, dz = load<Floats>(a.z + k) - z,
+                         reach = larger(load<Floats>(a.reach + k), all(least));
+            bad |= below(dx * dx + dy * dy + dz * dz, reach * reach) & first_lanes(a.count - k);
         }
         if (bad != 0 || sees_all)
             return bad != 0;

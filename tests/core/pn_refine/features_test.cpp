@@ -244,9 +244,13 @@ TEST(Normals, ThinPlateKeepsBothSides)
     }
     const PnRefinement refined = refine_points(plate, one_thread(2));
     EXPECT_LT(refined.turned_normals.size(), 20u);
+    // The edge is rounded; elsewhere nothing lies between the sheets.
     const auto off = std::count_if(refined.points.begin(), refined.points.end(),
-                                   [](const Point& p) { return std::abs(std::abs(p.z()) - 0.015) > 1e-9; });
-    EXPECT_LT(off, std::ptrdiff_t(refined.points.size() / 50));
+                                   [](const Point& p) {
+                                       return std::max(std::abs(p.x()), std::abs(p.y())) < 0.9 &&
+                                              std::abs(std::abs(p.z()) - 0.015) > 1e-9;
+                                   });
+    EXPECT_LT(off, std::ptrdiff_t(refined.points.size() / 100));
 }
 
 } // namespace

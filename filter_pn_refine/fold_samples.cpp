@@ -1,0 +1,251 @@
+#include "fold_samples.h"
+
+#include "hermite_surface.h"
+
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recon::pn
+{
+namespace
+{
+
+constexpr double pi = 3.141592653589793;
+
+constexpr double open_gap = 140 * pi / 180;   ///< Of a fan: no rule lets PN triangles close more [radians].
+constexpr double folded = 0.3;                ///< Normals that agree less lie on two sides of a fold.
+constexpr double same_side = 0.5;             ///< Normals that agree more lie on one side of it.
+constexpr double stride = 0.7;                ///< Between samples made on one walk [spacings],
+constexpr int strides = 2;                    ///< so many at most.
+constexpr double room = 0.55;                 ///< To the next sample of the same side [spacings].
+constexpr double surrounded = 170 * pi / 180; ///< Samples around leave no wider gap [radians].
+constexpr double clear = 1.5;                 ///< A fold has nothing of its side before it so far [spacings],
+constexpr double clear_cone = 0.75;           ///< within the angle of this cosine.
+constexpr int around = 24;                    ///< Samples looked at.
+constexpr int fitted = 14;                    ///< Samples that the surface interpolates.
+
+struct FoldSample
+{
+    Point point;
+    Vector normal;
+    double room;    ///< To the next sample of the same side [spacings].
+    double spacing; ///< Of the input here.
+    std::array<int, 3> parents;
+};
+
+/// What lies around a point of a walk.
+struct Surroundings
+{
+    double room = 1e300; ///< As in FoldSample, but a length.
+    std::array<int, 3> parents;
+    bool is_among_samples = false; ///< The walk is over.
+};
+
+class Walk
+{
+public:
+    Walk(const UsableSamples& usable, std::size_t from, double spacing)
+        : usable_(usable), from_(from), spacing_(spacing)
+    {
+    }
+
+    /// Walks into a direction of the tangent plane. \returns what it passed; nothing if it leads nowhere.
+    std::vector<FoldSample> go(Vector along) const
+    {
+        const OrientedSamples& samples = usable_.samples;
+        Point p = samples.points[from_];
+        std::vector<FoldSample> passed;
+        for (int k = 0; k < strides; ++k)
+        {
+            Vector normal;
+            if (!step(p, along, normal))
+                break;
+            const Surroundings s = look_around(p, normal, along);
+            if (s.room >= room * spacing_)
+                passed.push_back({p, normal, s.room / spacing_, spacing_, s.parents});
+            if (s.is_among_samples)
+                return passed;
+            if (s.room < room * spacing_)
+                break;
+        }
+        return {};
+    }
+
+private:
+    /// One stride on the surface. \returns false where there is none.
+    bool step(Point& p, Vector& along, Vector& normal) const
+    {
+        int nearest[fitted];
+        double squared[fitted];
+        usable_.search->nearest(p, fitted, nearest, squared);
+        if (std::any_of(nearest, nearest + fitted, [&](int j) { return usable_.is_crease[std::size_t(j)] != 0; }))
+            return false;
+        const HermiteSurface surface(usable_.samples, nearest, fitted, p, spacing_);
+        constexpr int parts = 3; // so that it follows the bend
+        constexpr double length = stride / parts;
+        for (int part = 0; part < parts; ++part)
+        {
+            Point next = p + along * (length * spacing_);
+            const Vector gradient = surface.project(next);
+            const double slope = gradient.norm(); // 1 at the samples
+            if (!(slope > 0.2 && slope < 5) || !((next - p).norm() < 2 * length * spacing_))
+                return false;
+            p = next;
+            normal = gradient / slope;
+            along = (along - along.dot(normal) * normal).normalized();
+        }
+        return along.allFinite();
+    }
+
+    Surroundings look_around(const Point& p, const Vector& normal, const Vector& along) const
+    {
+        const OrientedSamples& samples = usable_.samples;
+        Surroundings s;
+        s.parents.fill(int(from_));
+        int found[around];
+        double squared[around];
+        const int count = usable_.search->nearest(p, around, found, squared);
+        const Vector u = normal.unitOrthogonal(), v = normal.cross(u);
+        std::vector<double> angles;
+        std::size_t parents = 0;
+        for (int m = 0; m < count; ++m)
+        {
+            const auto j = std::size_t(found[m]);
+            const Vector d = samples.points[j] - p;
+            const double agreement = samples.normals[j].dot(normal);
+            if (agreement > same_side)
+            {
+                s.room = std::min(s.room, d.norm());
+                if (parents < 3)
+                    s.parents[parents++] = int(j);
+                // Across the fold.
+                s.is_among_samples |=
+                    d.norm() < spacing_ && d.dot(along) > 0 && samples.normals[j].dot(samples.normals[from_]) < folded;
+            }
+            if (d.norm() < 3 * spacing_ && agreement > -same_side)
+                angles.push_back(std::atan2(d.dot(v), d.dot(u)));
+        }
+        std::sort(angles.begin(), angles.end());
+        if (angles.size() < 3)
+            return s;
+        double widest = angles.front() + 2 * pi - angles.back();
+        for (std::size_t m = 1; m < angles.size(); ++m)
+            widest = std::max(widest, angles[m] - angles[m - 1]);
+        s.is_among_samples |= widest < surrounded;
+        return s;
+    }
+
+    const UsableSamples& usable_;
+    const std::size_t from_;
+    const double spacing_;
+};
+
+/// Directions into the open gaps of a fan, a quarter turn apart [radians in the tangent frame].
+std::vector<double> directions_into_gaps(const OrientedSamples& samples, const InitialFans& fans, std::size_t i,
+                                         const Vector& e1, const Vector& e2)
+{
+    const auto begin = fans.member.begin() + fans.first[i], end = fans.member.begin() + fans.first[i + 1];
+    std::vector<double> angles;
+    std::transform(begin, end, std::back_inserter(angles),
+                   [&](int j)
+                   {
+                       const Vector d = samples.points[std::size_t(j)] - samples.points[i];
+                       return std::atan2(d.dot(e2), d.dot(e1));
+                   });
+    if (angles.empty())
+        angles.push_back(0);
+    std::vector<double> directions;
+    for (std::size_t m = 0; m < angles.size(); ++m)
+    {
+        double turn = angles[(m + 1) % angles.size()] - angles[m];
+        turn += turn <= 0 ? 2 * pi : 0;
+        if (turn <= open_gap)
+            continue;
+        const int parts = int(turn / (pi / 2) + 0.5);
+        for (int k = 0; k < parts; ++k)
+            directions.push_back(angles[m] + turn * (k + 0.5) / parts);
+    }
+    return directions;
+}
+
+/// Of samples too near to each other on one side those with more room stay.
+AddedSamples thin_out(std::vector<FoldSample> found)
+{
+    std::stable_sort(found.begin(), found.end(),
+                     [](const FoldSample& a, const FoldSample& b) { return a.room > b.room; });
+    Points points;
+    for (const FoldSample& f : found)
+        points.push_back(f.point);
+    const NeighbourSearch search(points);
+    AddedSamples added;
+    std::vector<char> is_kept(found.size(), 0);
+    std::vector<int> near;
+    for (std::size_t k = 0; k < found.size(); ++k)
+    {
+        const FoldSample& f = found[k];
+        search.within(f.point, room * f.spacing, near);
+        is_kept[k] = std::none_of(
+            near.begin(), near.end(),
+            [&](int j) { return is_kept[std::size_t(j)] && found[std::size_t(j)].normal.dot(f.normal) > same_side; });
+        if (!is_kept[k])
+            continue;
+        added.samples.points.push_back(f.point);
+        added.samples.normals.push_back(f.normal);
+        added.parents.push_back(f.parents);
+    }
+    return added;
+}
+
+} // namespace
+
+AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
+                          int threads, const Progress& progress)
+{
+    const OrientedSamples& samples = usable.samples;
+    const std::size_t n = samples.points.size();
+    if (usable.nearest.count < around)
+        return {};
+    std::vector<std::vector<FoldSample>> found(n);
+    parallel_for(
+        n, threads, progress,
+        [&](std::size_t i)
+        {
+            const Vector& normal = samples.normals[i];
+            const int* const near = usable.nearest.of(i);
+            // On the rim of an open surface no walk would end: this saves the attempt.
+            const bool has_fold = std::any_of(
+                near, near + around, [&](int j) { return samples.normals[std::size_t(j)].dot(normal) < same_side; });
+            if (fans.widest_gap[i] <= open_gap || !has_fold || !(spacing[i] > 0))
+                return;
+            const Vector e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
+            const Walk walk(usable, i, double(spacing[i]));
+            for (double t : directions_into_gaps(samples, fans, i, e1, e2))
+            {
+                const Vector along = std::cos(t) * e1 + std::sin(t) * e2;
+                // A thin sheet goes on there, however wide the gap.
+                const auto goes_on = [&](int j)
+                {
+                    const Vector d = samples.points[std::size_t(j)] - samples.points[i];
+                    const double length = d.norm();
+                    return length > 0 && length < clear * double(spacing[i]) && d.dot(along) > clear_cone * length &&
+                           samples.normals[std::size_t(j)].dot(normal) > same_side;
+                };
+                if (std::any_of(near, near + around, goes_on))
+                    continue;
+                const std::vector<FoldSample> passed = walk.go(along);
+                found[i].insert(found[i].end(), passed.begin(), passed.end());
+            }
+        },
+        64);
+    std::vector<FoldSample> all;
+    for (const std::vector<FoldSample>& f : found)
+        all.insert(all.end(), f.begin(), f.end());
+    return thin_out(std::move(all));
+}
+
+} // namespace recon::pn

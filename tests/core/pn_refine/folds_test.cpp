@@ -1,0 +1,146 @@
+#include "filter_pn_refine/hermite_surface.h"
+#include "filter_pn_refine/refine.h"
+
+#include "tests/shapes.h"
+
+#include <recon/neighbours.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace
+{
+
+using namespace recon;
+
+PnRefineOptions one_thread(int steps)
+{
+    PnRefineOptions options;
+    options.steps = steps;
+    options.threads = 1;
+    return options;
+}
+
+TEST(HermiteSurface, InterpolatesPositionsAndNormals)
+{
+    const OrientedSamples samples = shapes::ellipsoid(pn::HermiteSurface::most, {1, 2, 3}, 3);
+    std::vector<int> all(samples.points.size());
+    std::iota(all.begin(), all.end(), 0);
+    const pn::HermiteSurface surface(samples, all.data(), int(all.size()), {0.2, 0.1, 0}, 1.7);
+    for (std::size_t i = 0; i < all.size(); ++i)
+    {
+        Point p = samples.points[i];
+        const Vector gradient = surface.project(p);
+        EXPECT_LT((p - samples.points[i]).norm(), 1e-8);
+        EXPECT_LT((gradient - samples.normals[i]).norm(), 1e-8);
+    }
+}
+
+TEST(HermiteSurface, ProjectsOntoTheSphereThatWasSampled)
+{
+    const OrientedSamples samples = shapes::sphere(200, 1, 3);
+    const NeighbourSearch search(samples.points);
+    for (const Point& at : shapes::sphere(20, 1.05, 9).points)
+    {
+        int nearest[14];
+        double squared[14];
+        search.nearest(at, 14, nearest, squared);
+        Point p = at;
+        const Vector gradient = pn::HermiteSurface(samples, nearest, 14, at, 0.25).project(p);
+        EXPECT_NEAR(p.norm(), 1, 1e-3);
+        EXPECT_GT(gradient.normalized().dot(p.normalized()), 0.9999);
+    }
+}
+
+/// How much of the rim of a flat ellipsoid (half axes 1, 1, h) has a point nearer than `reach` whose normal is not that
+/// of the flat sides.
+double covered_rim(const OrientedSamples& cloud, double reach)
+{
+    const NeighbourSearch search(cloud.points);
+    int covered = 0;
+    constexpr int places = 720;
+    std::vector<int> near;
+    for (int k = 0; k < places; ++k)
+    {
+        const double a = 2 * M_PI * k / places;
+        const Vector outward(std::cos(a), std::sin(a), 0);
+        search.within(outward, reach, near);
+        covered += std::any_of(near.begin(), near.end(),
+                               [&](int j) { return cloud.normals[std::size_t(j)].dot(outward) > 0.5; });
+    }
+    return covered / double(places);
+}
+
+OrientedSamples join(OrientedSamples all, const PnRefinement& refined)
+{
+    all.points.insert(all.points.end(), refined.points.begin(), refined.points.end());
+    all.normals.insert(all.normals.end(), refined.normals.begin(), refined.normals.end());
+    return all;
+}
+
+TEST(Folds, RimOfAFlatEllipsoidIsClosed)
+{
+    // 0.08 between samples, and the rim bends within 0.04.
+    const Vector half_axes(1, 1, 0.06);
+    const OrientedSamples samples = shapes::ellipsoid(1000, half_axes, 2);
+    const PnRefinement refined = refine_points(samples, one_thread(3));
+    EXPECT_GT(refined.fold_points, 0);
+    EXPECT_GT(covered_rim(join(samples, refined), 0.06), 0.98);
+    for (const Point& p : refined.points)
+    {
+        const Vector scaled = p.cwiseQuotient(half_axes);
+        const double to_first_order = (scaled.norm() - 1) * scaled.norm() / scaled.cwiseQuotient(half_axes).norm();
+        EXPECT_LT(std::abs(to_first_order), 0.06) << p.transpose();
+    }
+}
+
+TEST(Folds, NothingIsPutBeyondTheRimOfAnOpenSheet)
+{
+    OrientedSamples sheet = shapes::sphere(3000, 1, 5);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < sheet.points.size(); ++i)
+        if (sheet.points[i].z() > 0)
+        {
+            sheet.points[kept] = sheet.points[i];
+            sheet.normals[kept++] = sheet.normals[i];
+        }
+    sheet.points.resize(kept);
+    sheet.normals.resize(kept);
+    EXPECT_EQ(refine_points(sheet, one_thread(1)).fold_points, 0);
+}
+
+TEST(Folds, TakeTheirAttributesFromSamplesAround)
+{
+    const OrientedSamples samples = shapes::ellipsoid(1000, {1, 1, 0.06}, 2);
+    const PnRefinement refined = refine_points(samples, one_thread(0));
+    ASSERT_GT(refined.fold_points, 0);
+    std::vector<double> x;
+    for (const Point& p : samples.points)
+        x.push_back(p.x());
+    const std::vector<double> made = interpolate(refined, x);
+    for (std::size_t i = 0; i < made.size(); ++i)
+        EXPECT_NEAR(made[i], refined.points[i].x(), 0.3);
+}
+
+TEST(Sheets, ThatFaceTheSameWayAreNotJoined)
+{
+    // Layers nearer to each other than a point's radius. Without the rule for slopes half of the new points lie
+    // between.
+    OrientedSamples layers;
+    shapes::Random random(3);
+    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+    for (int i = 0; i < 4000; ++i)
+    {
+        layers.points.emplace_back(uniform(), uniform(), i % 2 ? 0.04 : 0);
+        layers.normals.push_back(Vector::UnitZ());
+    }
+    const PnRefinement refined = refine_points(layers, one_thread(1));
+    const auto between = std::count_if(refined.points.begin(), refined.points.end(),
+                                       [](const Point& p) { return p.z() > 1e-6 && p.z() < 0.04 - 1e-6; });
+    EXPECT_LT(double(between), 0.4 * double(refined.points.size())) << refined.points.size();
+}
+
+} // namespace
