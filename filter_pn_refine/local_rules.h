@@ -19,9 +19,9 @@ struct LocalRules
     static constexpr float near_spacings = 0.4f;    ///< But not farther than this.
     static constexpr float least_distance = 0.1f;   ///< To any point, also one with another normal.
     static constexpr float least_spacings = 0.1f;   ///< The same: in random clusters radii are small.
-    /// Nor so that the plane of the nearest point of the level is passed at a larger sine of the angle: such a triangle
-    /// joins what lies on two sides of a gap between sheets.
-    static constexpr float largest_slope = 0.65f;
+    /// Nor so that the planes of the nearest points of the level are passed at a larger sine of the angle: such a
+    /// triangle joins what lies on two sides of a gap between sheets, or spans detail that the samples do not show.
+    static constexpr float largest_slope = 0.5f;
 
     // Gaps.
     static constexpr float complete_angle = 1.57079633f; ///< theta_c.

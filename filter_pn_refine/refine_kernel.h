@@ -1,23 +1,36 @@
 // Refinement of the points of one leaf (section 5). No include guard: see lanes.h.
 
-/// The point nearest to a place, and how far from the place its plane passes by. Per lane.
-struct NearestPlane
+/// Whether the planes of the points around a place pass near it: the mean of their squared slopes, that is, of the
+/// sines of the angles under which each sees the place above its plane, with weights that leave little but the nearest.
+struct SlopeToPlanes
 {
-    Floats squared, height;
+    Floats nearest, slopes = {}, weights = {};
 
+    /// Begins with one point, (x, y, z) away.
+    PN_INLINE SlopeToPlanes(float x, float y, float z, const float* n) : nearest(all(1e30f))
+    {
+        look(all(x), all(y), all(z), all(n[0]), all(n[1]), all(n[2]));
+        slopes = select(1u, slopes, Floats{});
+        weights = select(1u, weights, Floats{});
+    }
     PN_INLINE void look(Floats dx, Floats dy, Floats dz, Floats nx, Floats ny, Floats nz)
     {
-        const Floats d2 = dx * dx + dy * dy + dz * dz;
-        const Mask is_nearer = below(d2, squared);
-        squared = select(is_nearer, d2, squared);
-        height = select(is_nearer, dx * nx + dy * ny + dz * nz, height);
+        const Floats d2 = dx * dx + dy * dy + dz * dz, height = dx * nx + dy * ny + dz * nz;
+        const Floats d4 = d2 * d2, weight = 1 / (d4 * d4 + 1e-36f);
+        nearest = smaller(nearest, d2);
+        slopes += weight * (height * height / (d2 + 1e-36f));
+        weights += weight;
     }
-    PN_INLINE bool is_nearer_than(float distance) const { return below(squared, all(distance * distance)) != 0; }
+    PN_INLINE bool is_nearer_than(float distance) const { return below(nearest, all(distance * distance)) != 0; }
     PN_INLINE bool is_steep() const
     {
-        constexpr float most = LocalRules::largest_slope * LocalRules::largest_slope;
-        const int lane = largest_lane(0xFFFFu, 1 / (squared + 1e-30f));
-        return height[lane] * height[lane] > most * squared[lane];
+        float slope = 0, weight = 0;
+        for (int i = 0; i < lane_count; ++i)
+        {
+            slope += slopes[i];
+            weight += weights[i];
+        }
+        return slope > LocalRules::largest_slope * LocalRules::largest_slope * weight;
     }
 };
 
@@ -125,16 +138,16 @@ struct PointRefiner
     }
 
     /// Whether a new point may not lie at (x, y, z): nearer than `least` to an old or a new point, inside the discard
-    /// space, or far above or below its nearest point.
+    /// space, or far above or below the planes of its nearest points.
     PN_INLINE bool is_discarded(const Centre& c, float x, float y, float z, float least) const
     {
         const Ring& ring = w.ring;
         const Arrivals& a = w.arrivals;
-        NearestPlane nearest{all(x * x + y * y + z * z), all(x * c.n[0] + y * c.n[1] + z * c.n[2])};
+        SlopeToPlanes planes(x, y, z, c.n);
         for (int k = 0; k < ring.count; k += lane_count)
-            nearest.look(load<Floats>(ring.x + k) - x, load<Floats>(ring.y + k) - y, load<Floats>(ring.z + k) - z,
-                         load<Floats>(ring.nx + k), load<Floats>(ring.ny + k), load<Floats>(ring.nz + k));
-        if (nearest.is_nearer_than(least) || nearest.is_steep())
+            planes.look(load<Floats>(ring.x + k) - x, load<Floats>(ring.y + k) - y, load<Floats>(ring.z + k) - z,
+                        load<Floats>(ring.nx + k), load<Floats>(ring.ny + k), load<Floats>(ring.nz + k));
+        if (planes.is_nearer_than(least) || planes.is_steep())
             return true;
         Mask bad = 0;
         for (int k = 0; k < a.count; k += lane_count)
