@@ -24,6 +24,8 @@ constexpr double suspicious_votes = 0.01;
 constexpr double flooded_votes = 0.15;
 /// Share of points that a right surface may miss, at ears and folds.
 constexpr double bearable_miss = 0.01;
+/// Share of the area without points above which a hollow may have been closed over.
+constexpr double bearable_bare = 0.05;
 /// Above this number of points two attempts are not kept side by side [count].
 constexpr std::size_t most_points_twice = 1'000'000;
 
@@ -113,7 +115,7 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         const TriangleMesh crust = extract_crust(found.labelled.regular, found.labelled.labels, labelling.threads);
         return measure_mismatch(found.cloud.distinct, crust, labelling.threads);
     };
-    const auto attempt = [&](Denoise denoise, double begin, double end)
+    const auto attempt = [&](Denoise denoise, bool fine, double begin, double end)
     {
         SamplePreparationOptions preparation = options;
         preparation.denoise = denoise;
@@ -123,6 +125,7 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         BallLabellingOptions in_units = labelling;
         in_units.ball_threshold /= cloud.frame.scale();
         in_units.noise /= cloud.frame.scale();
+        in_units.fine = fine;
         const auto label = [&](double from, double to)
         { return label_polar_balls(cloud.samples, cloud.normals, in_units, times, progress.part(from, to, "polar balls")); };
         const double late = middle + 0.8 * (end - middle);
@@ -147,24 +150,36 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
             cloud.normals.resize(measured);
         return LabelledCloud{std::move(cloud), std::move(plain)};
     };
-    std::optional<LabelledCloud> first = attempt(options.denoise, 0, 0.8);
+    std::optional<LabelledCloud> first = attempt(options.denoise, false, 0, 0.7);
     // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
     if (options.denoise != Denoise::automatic || first->cloud.denoised || labelling.ball_threshold > 0 ||
         first->labelled.violated_votes <= suspicious_votes)
         return std::move(*first);
-    const Mismatch mismatch = measure(*first);
-    const double violated = first->labelled.violated_votes;
-    const bool is_flooded = violated > flooded_votes;
+    Mismatch mismatch = measure(*first);
+    const bool is_flooded = first->labelled.violated_votes > flooded_votes;
+    // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is full.
+    if (!is_flooded && mismatch.bare_area > bearable_bare && points.size() <= most_points_twice)
+    {
+        LabelledCloud fine = attempt(options.denoise, true, 0.7, 0.8);
+        const Mismatch own = measure(fine);
+        // Bare flats stay bare: there both are wrong, and the first less so.
+        if (fine.labelled.violated_votes < first->labelled.violated_votes && own.sum() < 0.5 * mismatch.sum())
+        {
+            first = std::move(fine);
+            mismatch = own;
+        }
+    }
     if (mismatch.missed_points <= bearable_miss && !is_flooded)
         return std::move(*first);
+    const double violated = first->labelled.violated_votes;
     if (points.size() > most_points_twice)
         first.reset();
     {
-        LabelledCloud second = attempt(Denoise::on, 0.8, 0.9);
+        LabelledCloud second = attempt(Denoise::on, false, 0.8, 0.9);
         if (is_flooded ? second.labelled.violated_votes < violated : measure(second).sum() < mismatch.sum())
             return second;
     }
-    return first ? std::move(*first) : attempt(options.denoise, 0.9, 1);
+    return first ? std::move(*first) : attempt(options.denoise, false, 0.9, 1);
 }
 
 } // namespace recon

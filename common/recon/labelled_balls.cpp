@@ -147,7 +147,8 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
         oriented ? find_poles_along_normals(delaunay, samples, normals, threads) : find_poles(delaunay, samples, threads);
     find_slant_poles(delaunay, samples, poles, threads);
     const BallScale scale =
-        oriented ? choose_fine_scale(spacing) : choose_scale(spacing, free_samples, delaunay, poles, options.noise, threads);
+        oriented || options.fine ? choose_fine_scale(spacing)
+                                 : choose_scale(spacing, free_samples, delaunay, poles, options.noise, threads);
     PolarBalls kept = keep_polar_balls(delaunay, samples, poles,
                                        [&](double radius, const std::array<int, 4>& touched)
                                        {

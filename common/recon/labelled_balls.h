@@ -18,6 +18,7 @@ struct BallLabellingOptions
     double ball_threshold = 0;    ///< Smallest polar ball kept [unit length], >= 0. 0 = by the local scale.
     double noise = 0;             ///< Standard deviation of the noise, if known [unit length], >= 0.
     double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
+    bool fine = false;            ///< Nothing is noise: balls stay by the spacing alone, however thin the wall around them.
     int threads = 1;
 };
 
