@@ -281,6 +281,27 @@ TEST(CompleteFlats, CrustOfAFlatBracketSampledAlongItsEdges)
     EXPECT_NEAR(report.volume / 0.16, 1, 0.03);
 }
 
+TEST(CompleteFlats, NoWallRisesWhereTheRimMeetsAnotherFace)
+{
+    // An H-beam: the floors of its slots lie across the web from each other, rim above rim.
+    const std::vector<Eigen::Vector2d> polygon = {{0, 0}, {0.3, 0},   {0.3, 0.4}, {0.7, 0.4}, {0.7, 0}, {1, 0},
+                                                  {1, 1}, {0.7, 1}, {0.7, 0.6}, {0.3, 0.6}, {0.3, 1}, {0, 1}};
+    const double height = 0.5;
+    const FlatCompletion completion = complete_flats(prism(polygon, height, 0.03), {});
+    EXPECT_GE(completion.faces, 12);
+    for (const Point& p : completion.points)
+    {
+        double off = std::min(p.z(), height - p.z());
+        for (std::size_t i = 0; i < polygon.size(); ++i)
+        {
+            const Eigen::Vector2d &a = polygon[i], side = polygon[(i + 1) % polygon.size()] - a;
+            const double along = std::clamp((p.head<2>() - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+            off = std::min(off, (p.head<2>() - a - along * side).norm());
+        }
+        EXPECT_LT(off, 1e-6) << "inside: " << p.transpose();
+    }
+}
+
 TEST(CompleteFlats, DiscThatMeetsNoOtherFaceStaysOpen)
 {
     // The rim of a hollow: nothing tells it from the end of a rod.

@@ -53,16 +53,22 @@ TEST(PowerShape, OfATorusIsItsCircle)
     const double major = 3, minor = 1;
     const int n = 6000;
     const double spacing = std::sqrt(4 * pi * pi * major * minor / n);
-    const PowerShape shape = compute_power_shape(shapes::torus(n, major, minor, 1).points);
-    expect_sound(shape);
+    const Points clean = shapes::torus(n, major, minor, 1).points;
     Points circle;
     for (int k = 0; k < 500; ++k)
         circle.emplace_back(major * std::cos(k * pi / 250), major * std::sin(k * pi / 250), 0);
     const auto distance = [&](const Point& p) { return std::hypot(p.head<2>().norm() - major, p.z()); };
-    EXPECT_LT(hausdorff(shape, distance, circle), 1.5 * spacing);
-    EXPECT_NEAR(shape.union_volume, 2 * pi * pi * major * minor * minor, 0.02 * shape.union_volume);
-    EXPECT_NEAR(shape.union_area, 4 * pi * pi * major * minor, 0.1 * shape.union_area);
-    EXPECT_NEAR(shape.largest_radius, minor, 0.1 * minor);
+    for (const double sigma : {0.0, 0.03})
+    {
+        SCOPED_TRACE(sigma);
+        const PowerShape shape = compute_power_shape(sigma > 0 ? shapes::with_noisy_copies(clean, sigma, 4, 2) : clean);
+        expect_sound(shape);
+        EXPECT_EQ(shape.denoised, sigma > 0);
+        EXPECT_LT(hausdorff(shape, distance, circle), 1.5 * spacing);
+        EXPECT_NEAR(shape.union_volume, 2 * pi * pi * major * minor * minor, (sigma > 0 ? 0.03 : 0.02) * shape.union_volume);
+        EXPECT_NEAR(shape.union_area, 4 * pi * pi * major * minor, 0.1 * shape.union_area);
+        EXPECT_NEAR(shape.largest_radius, minor, 0.1 * minor);
+    }
 }
 
 TEST(PowerShape, OfACapsuleIsItsSegment)
@@ -101,8 +107,7 @@ TEST(PowerShape, OfABoxReachesIntoItsCorners)
     const Vector sides(4, 3, 2);
     const int n = 20000;
     const double spacing = std::sqrt(52.0 / n);
-    const PowerShape shape = compute_power_shape(shapes::box(n, sides, 4).points);
-    expect_sound(shape);
+    const Points clean = shapes::box(n, sides, 4).points;
     // A point is on the axis if two faces are equally near: its distances to the two nearest differ by nothing.
     const auto off_axis = [&](const Point& p)
     {
@@ -125,8 +130,14 @@ TEST(PowerShape, OfABoxReachesIntoItsCorners)
                     on_axis.push_back(p);
             }
     ASSERT_GT(on_axis.size(), 1000u);
-    EXPECT_LT(hausdorff(shape, off_axis, on_axis), 1.5 * spacing);
-    EXPECT_NEAR(shape.union_volume, 24, 1.2) << "balls leave the corners out";
+    for (const double sigma : {0.0, 0.01})
+    {
+        SCOPED_TRACE(sigma);
+        const PowerShape shape = compute_power_shape(sigma > 0 ? shapes::with_noisy_copies(clean, sigma, 4, 5) : clean);
+        expect_sound(shape);
+        EXPECT_LT(hausdorff(shape, off_axis, on_axis), 1.5 * spacing);
+        EXPECT_NEAR(shape.union_volume, 24, sigma > 0 ? 2 : 1.2) << "balls leave the corners out";
+    }
 }
 
 TEST(PowerShape, SidesAndPruningDoWhatTheySay)
