@@ -8,10 +8,10 @@
 namespace recon::pn
 {
 
-/// Crease samples found in a cloud that has none: pairs of points at one position, one with each normal (samples 2 k
-/// and 2 k + 1 of the result share their position). Where near points' normals differ by more than `crease_angle`
-/// [radians], the crease runs along the intersection of their tangent planes; it is sampled about as densely as the
-/// cloud.
+/// Crease samples found in a cloud that has none: two points at one position, one with each normal, and three at
+/// corners (samples of the result that share a position follow each other). Where near points' normals differ by more
+/// than `crease_angle` [radians], the crease runs along the intersection of their tangent planes, or the corner lies
+/// where three of them meet; creases are sampled about as densely as the cloud.
 AddedSamples detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle);
 
 } // namespace recon::pn

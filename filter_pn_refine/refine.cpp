@@ -248,7 +248,8 @@ private:
             usable.samples.points.push_back(made.samples.points[i]);
             usable.samples.normals.push_back(made.samples.normals[i]);
             usable.input.push_back(before + int(i));
-            usable.sharing.push_back(n + int(is_crease ? i - i % 2 : i));
+            const bool is_shared = i > 0 && made.samples.points[i] == made.samples.points[i - 1];
+            usable.sharing.push_back(is_shared ? usable.sharing.back() : n + int(i));
             usable.is_crease.push_back(is_crease);
         }
         return int(made.samples.points.size());

@@ -68,8 +68,9 @@ struct PnRefinement
     std::vector<int> turned_normals; ///< Input points whose normal was turned before refinement, ascending.
     std::vector<PnStepStatistics> steps;
     int boundary_segments = 0, crease_segments = 0; ///< At the start.
-    int crease_points =
-        0; ///< Points put onto detected creases before the first step, two at each position; they come first.
+    /// Points put onto detected creases before the first step, two at each position (at corners three); they come
+    /// first.
+    int crease_points = 0;
     int hole_points = 0; ///< Points put into holes before the first step; they come next.
     int fold_points = 0; ///< Points put into folds that the samples show too sparsely; they come after those.
     int left_out = 0;    ///< Input points that took no part: duplicates, without normal, isolated.

@@ -100,7 +100,7 @@ void add_links_along(const UsableSamples& usable, const InitialFans& fans, doubl
         if (usable.is_crease[i])
             splats[std::size_t(usable.sharing[i])].push_back(int(i));
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (splats[i].size() == 2) // at corners no tangent is sure
+        if (splats[i].size() >= 2)
         {
             places.push_back(int(i));
             positions.push_back(points[i]);
@@ -110,9 +110,16 @@ void add_links_along(const UsableSamples& usable, const InitialFans& fans, doubl
     const NeighbourSearch search(positions);
     const auto follows = [&](int place, const Vector& unit)
     {
-        const std::vector<int>& pair = splats[std::size_t(place)];
-        const Vector tangent = normals[std::size_t(pair[0])].cross(normals[std::size_t(pair[1])]);
-        return std::abs(tangent.dot(unit)) > 0.8 * tangent.norm();
+        // At a corner along any two of its faces.
+        const std::vector<int>& own = splats[std::size_t(place)];
+        for (std::size_t p = 0; p < own.size(); ++p)
+            for (std::size_t q = 0; q < p; ++q)
+            {
+                const Vector tangent = normals[std::size_t(own[p])].cross(normals[std::size_t(own[q])]);
+                if (std::abs(tangent.dot(unit)) > 0.8 * tangent.norm())
+                    return true;
+            }
+        return false;
     };
     for (int a : places)
     {
