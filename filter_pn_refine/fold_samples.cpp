@@ -204,7 +204,7 @@ AddedSamples thin_out(std::vector<FoldSample> found)
 } // namespace
 
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          int threads, const Progress& progress)
+                          const std::function<bool(std::size_t)>& may_start, int threads, const Progress& progress)
 {
     const OrientedSamples& samples = usable.samples;
     const std::size_t n = samples.points.size();
@@ -220,7 +220,7 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
             // On the rim of an open surface no walk would end: this saves the attempt.
             const bool has_fold = std::any_of(
                 near, near + around, [&](int j) { return samples.normals[std::size_t(j)].dot(normal) < same_side; });
-            if (fans.widest_gap[i] <= open_gap || !has_fold || !(spacing[i] > 0))
+            if (fans.widest_gap[i] <= open_gap || !has_fold || !(spacing[i] > 0) || !may_start(i))
                 return;
             const Vector e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
             const Walk walk(usable, i, double(spacing[i]));

@@ -30,7 +30,9 @@ plugin::ParameterTable<Options> table()
             "Neighbourhood",
             "How the neighbours of a point are chosen. The accurate one copes better with few samples on curved parts; "
             "automatic uses it only there.")
-        .flag("fast", &Options::fast, "Fast", "Shortcuts that cost accuracy only where the samples are few.")
+        .flag(
+            "fast", &Options::fast, "Fast",
+            "Shortcuts that cost accuracy only where the samples are few; folds that they show too sparsely stay open.")
         .length(
             "initial_radius", &Options::initial_radius, "Initial radius",
             "Radius of each point at the start; it must reach the point's neighbours. 0: the layer's radii if it has "
@@ -112,6 +114,7 @@ void describe(const recon::PnRefinement& refined, plugin::FilterResult& result)
                            {"crease_segments", refined.crease_segments},
                            {"crease_points", refined.crease_points},
                            {"hole_points", refined.hole_points},
+                           {"fold_points", refined.fold_points},
                            {"turned_normals", int(refined.turned_normals.size())},
                            {"left_out", refined.left_out},
                            {"new_points_per_second", seconds > 0 ? double(refined.points.size()) / seconds : 0.0}});

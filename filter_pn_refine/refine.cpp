@@ -210,7 +210,8 @@ private:
     bool put_into_folds(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
                         const Progress& progress)
     {
-        const int made = put_in(usable, sample_folds(usable, fans, spacing, threads_, progress), false);
+        const auto may_start = [&](std::size_t i) { return !is_frozen(usable.input[i]); };
+        const int made = put_in(usable, sample_folds(usable, fans, spacing, may_start, threads_, progress), false);
         result_.fold_points += made;
         return made > 0;
     }
@@ -268,6 +269,11 @@ private:
         }
     }
 
+    bool is_frozen(int input) const
+    {
+        return input < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(input)];
+    }
+
     void start(const UsableSamples& usable, const std::vector<float>& spacing, const std::vector<double>& radii)
     {
         const double target = options_.target_radius / frame_.scale();
@@ -280,10 +286,8 @@ private:
             p.radius = float(radii[i]);
             p.spacing = spacing[i];
             p.id = usable.input[i];
-            const bool is_frozen =
-                usable.input[i] < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(usable.input[i])];
-            p.flags =
-                is_frozen ? WorkPoint::frozen : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
+            p.flags = is_frozen(p.id) ? WorkPoint::frozen
+                                      : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
                 p.flags |= WorkPoint::crease;
         }

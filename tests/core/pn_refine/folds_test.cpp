@@ -88,6 +88,9 @@ TEST(Folds, RimOfAFlatEllipsoidIsClosed)
     const OrientedSamples samples = shapes::ellipsoid(1000, half_axes, 2);
     const PnRefinement refined = refine_points(samples, one_thread(3));
     EXPECT_GT(refined.fold_points, 0);
+    PnRefineOptions three_threads = one_thread(3);
+    three_threads.threads = 3;
+    EXPECT_EQ(refined.points, refine_points(samples, three_threads).points);
     EXPECT_GT(covered_rim(join(samples, refined), 0.06), 0.98);
     for (const Point& p : refined.points)
     {
@@ -110,6 +113,18 @@ TEST(Folds, NothingIsPutBeyondTheRimOfAnOpenSheet)
     sheet.points.resize(kept);
     sheet.normals.resize(kept);
     EXPECT_EQ(refine_points(sheet, one_thread(1)).fold_points, 0);
+}
+
+TEST(Folds, AreLeftOpenWhereNothingIsRefined)
+{
+    const OrientedSamples samples = shapes::ellipsoid(1000, {1, 1, 0.06}, 2);
+    PnRefineHints hints;
+    for (const Point& p : samples.points)
+        hints.is_refined.push_back(p.x() > 0);
+    const PnRefinement refined = refine_points(samples, one_thread(0), hints);
+    EXPECT_GT(refined.fold_points, 0);
+    for (const Point& p : refined.points)
+        EXPECT_GT(p.x(), -0.25);
 }
 
 TEST(Folds, TakeTheirAttributesFromSamplesAround)
