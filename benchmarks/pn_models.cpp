@@ -78,7 +78,8 @@ OrientedSamples sample_mesh(const TriangleMesh& mesh, int n, std::uint64_t seed)
     return samples;
 }
 
-double largest_gap(const OrientedSamples& surface, const OrientedSamples& cloud, int threads)
+double largest_gap(const OrientedSamples& surface, const OrientedSamples& cloud, int threads,
+                   const std::function<double(const Point&)>& weight)
 {
     const NeighbourSearch search(cloud.points);
     std::vector<double> gaps(surface.points.size(), 0);
@@ -98,7 +99,7 @@ double largest_gap(const OrientedSamples& surface, const OrientedSamples& cloud,
                          const Vector d = cloud.points[j] - surface.points[i];
                          least = std::min(least, (d - d.dot(surface.normals[i]) * surface.normals[i]).norm());
                      }
-                     gaps[i] = least;
+                     gaps[i] = least * weight(surface.points[i]);
                  });
     return *std::max_element(gaps.begin(), gaps.end());
 }

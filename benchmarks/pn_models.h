@@ -5,6 +5,7 @@
 #include <filter_pn_refine/refine.h>
 
 #include <cstdint>
+#include <functional>
 
 /// What the tables of PN refinement share.
 namespace benchmarks
@@ -15,8 +16,10 @@ recon::OrientedSamples sample_mesh(const recon::TriangleMesh& mesh, int n, std::
 double surface_area(const recon::TriangleMesh& mesh);
 
 /// Largest hole in a cloud that should cover `surface`: from any of its points the distance in its tangent plane to the
-/// nearest cloud point on the same side [input units].
-double largest_gap(const recon::OrientedSamples& surface, const recon::OrientedSamples& cloud, int threads);
+/// nearest cloud point on the same side [input units], times `weight` there.
+double largest_gap(
+    const recon::OrientedSamples& surface, const recon::OrientedSamples& cloud, int threads,
+    const std::function<double(const recon::Point&)>& weight = [](const recon::Point&) { return 1.0; });
 
 /// Smallest distance between an appended point and any other [input units].
 double closest_pair(const recon::OrientedSamples& input, const recon::Points& appended);

@@ -23,6 +23,8 @@ struct Shape
     double area;
     std::function<double(const Point&)> distance;
     std::function<Vector(const Point&)> normal;
+    /// Samples per area, in their mean: gaps are measured in the spacing that belongs to it.
+    std::function<double(const Point&)> density = [](const Point&) { return 1.0; };
 };
 
 OrientedSamples keep(const OrientedSamples& from, const std::function<bool(const Point&)>& is_kept)
@@ -64,9 +66,10 @@ void measure(const Shape& shape, int steps)
                     "| radii %.4f "
                     "%.4f open %d\n",
                     l, all.points.size(), std::sqrt(sum / n) / diagonal, most / diagonal, std::sqrt(angles / n),
-                    largest_gap(shape.surface, all, 1) / spacing, closest_pair(shape.samples, refined.points) / spacing,
-                    refined.steps.back().median_radius, refined.steps.back().largest_radius,
-                    refined.steps.back().open_gaps);
+                    largest_gap(shape.surface, all, 1, [&](const Point& p) { return std::sqrt(shape.density(p)); }) /
+                        spacing,
+                    closest_pair(shape.samples, refined.points) / spacing, refined.steps.back().median_radius,
+                    refined.steps.back().largest_radius, refined.steps.back().open_gaps);
         std::fflush(stdout);
     }
 }
@@ -92,11 +95,13 @@ int main(int argc, char** argv)
             steps);
 
     shapes::Random random(5);
-    measure({"sphere, 100 times denser at one pole (gap and pair in spacings of the whole)",
-             keep(shapes::sphere(60000, 1, 2),
-                  [&](const Point& p) { return double(random() >> 11) * 0x1p-53 < std::pow(10, -(p.z() + 1)); }),
-             dense, sphere_area, sphere_distance, sphere_normal},
-            std::min(steps, 4));
+    const auto share = [](const Point& p) { return std::pow(10, -(p.z() + 1)); };
+    const double mean_share = 0.99 / (2 * std::log(10.0));
+    measure(
+        {"sphere, 100 times denser at one pole (pair in spacings of the whole)",
+         keep(shapes::sphere(60000, 1, 2), [&](const Point& p) { return double(random() >> 11) * 0x1p-53 < share(p); }),
+         dense, sphere_area, sphere_distance, sphere_normal, [&](const Point& p) { return share(p) / mean_share; }},
+        std::min(steps, 4));
 
     OrientedSamples half = keep(shapes::sphere(3500, 1, 2), [](const Point& p) { return p.z() >= 0; });
     const OrientedSamples inner = keep(dense, [](const Point& p) { return p.z() > 0.12; });
