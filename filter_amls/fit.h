@@ -1,5 +1,7 @@
 #pragma once
 
+#include "weighted_sums.h"
+
 #include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
@@ -20,6 +22,8 @@ struct Anchor
     double width;                  ///< h at the anchor [length].
 };
 
+constexpr double fit_cut = 2.4; ///< Samples farther than this from an anchor do not count [widths].
+
 /// What quadrics are fitted to: the points themselves, since the mean of a cell no longer tells good ones from bad.
 struct FitSamples
 {
@@ -38,9 +42,13 @@ struct FitStart
     double sigma;  ///< Standard deviation of the noise [length].
 };
 
-/// Fits a quadric to the samples around each anchor, twice, the second time about the first and robustly (recipe step
-/// 7). Where that fails, turns by more than 60 degrees or moves too far, the anchor stays the plane it began with.
+/// Fits a quadric to the samples around each anchor, again and again, each time robustly about the one before (recipe
+/// step 7), and corrects it where the surface bends. Where that fails, turns by more than 60 degrees or moves too far,
+/// the anchor stays the plane it began with.
 std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, int threads,
                                 const Progress& progress = {});
+
+/// Sets place, normal and bending from a fit over `width` in the frame of `normal` at `position`.
+void place_anchor(Anchor& anchor, const Point& position, const Vector& normal, const QuadricFit& fit, double width);
 
 } // namespace recon

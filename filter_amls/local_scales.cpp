@@ -25,7 +25,7 @@ constexpr double fewest_points = 16;     // effective points at the narrowest wi
 constexpr double narrowest_sigmas = 1.5; // below it the neighbourhood is thicker than wide
 constexpr double quadric_cut = 2.6;      // widths
 constexpr double largest_step = 5;       // sigmas by which two heights differ at most
-constexpr int pooled_seeds = 40;
+constexpr int pooled_seeds = 25;
 constexpr double global_share = 0.3; // weight of the mean over all seeds beside the pooled ones
 constexpr int smoothing_seeds = 15;
 constexpr double seed_reach = 0.3; // of the distance of close seeds
@@ -277,14 +277,13 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
         for (int j = 0; j < ladder; ++j)
             mean[j] += r[j] / double(risks.size());
     const NeighbourSearch asked_search(asked), seed_search(noise.seeds());
-    const int pool = std::max(12, pooled_seeds / stride);
     std::vector<double> log_width(m), distance(m);
     parallel_for(std::size_t(m), threads, {},
                  [&](std::size_t i)
                  {
                      int near[pooled_seeds];
                      double squared[pooled_seeds];
-                     const int count = asked_search.nearest(noise.seeds()[i], pool, near, squared);
+                     const int count = asked_search.nearest(noise.seeds()[i], pooled_seeds, near, squared);
                      Risks pooled;
                      for (int j = 0; j < ladder; ++j)
                      {

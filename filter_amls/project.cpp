@@ -18,14 +18,15 @@ namespace
 
 using simd::Lanes;
 
-constexpr double narrowing = 0.7;                         // of the widths: quadrics need less averaging than planes
+constexpr double narrowing = 0.85;                        // of the widths: quadrics need less averaging than planes
 constexpr double least_weight = 1e-6;                     // below it no anchor is near
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
 constexpr double slack = 0.35;         // widths: how far a point may move before its anchors are gathered again
-constexpr double uneven = 1.25;        // root of the ratio of neighbouring widths
-constexpr double run_radius = 0.65;    // widths
+constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
+constexpr double uneven = 1.25;                               // root of the ratio of neighbouring widths
+constexpr double run_radius = 0.65;                           // widths
 constexpr int longest_run = 64;
 
 /// Anchors near a run of points, side by side for the vector units.
@@ -94,7 +95,7 @@ struct Sums
 
 RECON_VECTOR_CLONES
 void sum_anchors(const double* values, std::size_t stride, const double* p, const double* side, double inverse_width,
-                 double cut, Sums* sums)
+                 double cut, double inverse_agreeing, Sums* sums)
 {
     using G = GatheredAnchors;
     Lanes weight = {}, distance = {}, gx = {}, gy = {}, gz = {}, count = {};
@@ -117,8 +118,11 @@ void sum_anchors(const double* values, std::size_t stride, const double* p, cons
         const Lanes qx = simd::load(v + G::qxx * stride) * ux + qxy * uy + qxz * uz,
                     qy = qxy * ux + simd::load(v + G::qyy * stride) * uy + qyz * uz,
                     qz = qxz * ux + qyz * uy + simd::load(v + G::qzz * stride) * uz;
+        const Lanes d = ux * (nx - qx) + uy * (ny - qy) + uz * (nz - qz);
+        const Lanes off = d * inverse_agreeing, damping = 1.0 / (1.0 + off * off);
+        w *= damping * damping;
         weight += w;
-        distance += w * (ux * (nx - qx) + uy * (ny - qy) + uz * (nz - qz));
+        distance += w * d;
         gx += w * (nx - 2.0 * qx);
         gy += w * (ny - 2.0 * qy);
         gz += w * (nz - 2.0 * qz);
@@ -181,6 +185,10 @@ public:
         Vector gradient = side;
         double width = h;
         int widened = 0, step_count = 0;
+        // Once x lies about where most anchors agree, those that do not, as beyond a crease, lose weight; not before,
+        // or a point in the tail of the noise would agree with the wrong ones.
+        bool settled = false;
+        const double agreeing = std::max(agreeing_sigmas * scale.sigma, agreeing_widths * h);
         ProjectionStatus status = ProjectionStatus::not_converged;
         while (step_count < options_.max_iterations)
         {
@@ -193,7 +201,7 @@ public:
             const Point local = x - origin_;
             Sums sums;
             sum_anchors(anchors_.values(), anchors_.stride(), local.data(), side.data(), 1 / width, options_.cut_off,
-                        &sums);
+                        settled ? 1 / agreeing : 0, &sums);
             if (!(sums.weight >= least_weight))
             {
                 if (widened > widenings)
@@ -214,11 +222,12 @@ public:
             gradient = g;
             ++step_count;
             result.neighbours[i] = std::uint16_t(std::min(sums.count, 65535.0));
-            if (length <= enough)
+            if (length <= enough && (settled || options_.max_iterations == 1))
             {
                 status = ProjectionStatus::converged;
                 break;
             }
+            settled = length <= 0.5 * agreeing;
         }
         result.iterations[i] = std::uint8_t(std::min(step_count, 255));
 

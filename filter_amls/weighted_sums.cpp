@@ -43,6 +43,29 @@ void Gathered::gather_directions(const Vectors& directions, const std::vector<in
     }
 }
 
+void Gathered::gather_within(const Gathered& all, const Point& centre, double radius)
+{
+    const std::size_t longest = std::size_t(simd::padded(all.size));
+    for (auto* values : {&x, &y, &z, &weight, &nx, &ny, &nz})
+        values->resize(longest);
+    size = 0;
+    for (int i = 0; i < all.size; ++i)
+    {
+        x[size] = all.x[i];
+        y[size] = all.y[i];
+        z[size] = all.z[i];
+        weight[size] = all.weight[i];
+        nx[size] = all.nx[i];
+        ny[size] = all.ny[i];
+        nz[size] = all.nz[i];
+        const double dx = x[size] - centre.x(), dy = y[size] - centre.y(), dz = z[size] - centre.z();
+        // Written over by the next one if it does not count: no branch to mispredict.
+        size += int(dx * dx + dy * dy + dz * dz <= radius * radius && weight[size] > 0);
+    }
+    for (int i = size; i < simd::padded(size); ++i)
+        x[i] = y[i] = z[i] = weight[i] = nx[i] = ny[i] = nz[i] = 0;
+}
+
 namespace
 {
 
@@ -81,8 +104,8 @@ struct QuadricInput
     int n;
     double origin[3], normal[3], t1[3], t2[3];
     double width, cut;
-    bool same_side_only, robust;
-    double about[6], robust_scale;
+    bool directed, robust;
+    double least_cosine, about[6], robust_scale;
 };
 
 constexpr int quadric_sums = 15 + 6 + 1;
@@ -93,6 +116,7 @@ void sum_quadric(const QuadricInput& in, double* sums)
 {
     Lanes total[quadric_sums] = {};
     const double inverse = 1 / in.width, limit = in.cut * in.cut, robust = 1 / in.robust_scale;
+    const Lanes least_cosine = simd::zero() + in.least_cosine;
     for (int i = 0; i < in.n; i += simd::lane_count)
     {
         const Lanes x = simd::load(in.x + i) - in.origin[0], y = simd::load(in.y + i) - in.origin[1],
@@ -102,13 +126,13 @@ void sum_quadric(const QuadricInput& in, double* sums)
         const Lanes v = (x * in.t2[0] + y * in.t2[1] + z * in.t2[2]) * inverse;
         const Lanes e = u * u + v * v + (height * inverse) * (height * inverse);
         Lanes w = e <= limit ? simd::load(in.weight + i) * simd::exp_negative(e) : simd::zero();
-        if (in.same_side_only)
+        const Lanes uu = u * u, uv = u * v, vv = v * v;
+        if (in.directed)
         {
             const Lanes cosine = simd::load(in.nx + i) * in.normal[0] + simd::load(in.ny + i) * in.normal[1] +
                                  simd::load(in.nz + i) * in.normal[2];
-            w = cosine > simd::zero() ? w : simd::zero();
+            w = cosine > least_cosine ? w : simd::zero();
         }
-        const Lanes uu = u * u, uv = u * v, vv = v * v;
         if (in.robust)
         {
             const Lanes r = (height - (in.about[0] + in.about[1] * u + in.about[2] * v + in.about[3] * uu +
@@ -203,7 +227,8 @@ QuadricFit fit_quadric(const Gathered& points, const Point& origin, const Tangen
     }
     in.width = how.width;
     in.cut = how.cut;
-    in.same_side_only = how.same_side_only;
+    in.directed = how.directed;
+    in.least_cosine = how.least_cosine;
     in.robust = how.robust_about != nullptr;
     in.robust_scale = how.robust_scale;
     for (int k = 0; k < 6; ++k)

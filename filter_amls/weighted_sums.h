@@ -21,6 +21,8 @@ struct Gathered
     void gather(const Points& points, const std::vector<double>& weights, const std::vector<int>& indices,
                 const Point& origin);
     void gather_directions(const Vectors& directions, const std::vector<int>& indices);
+    /// Those of `all`, with their directions, that weigh something and lie within `radius` of `centre`.
+    void gather_within(const Gathered& all, const Point& centre, double radius);
 };
 
 /// Weighted mass, mean and smallest principal direction.
@@ -57,7 +59,8 @@ struct QuadricWeights
     double cut;                    ///< Points farther than this many widths do not count.
     double ridge_linear = 1e-4;    ///< Pull of the slopes to 0 [share of the mass].
     double ridge_quadratic = 2e-3; ///< Pull of the curvatures to 0 [share of the mass].
-    bool same_side_only = false;   ///< Only points whose direction has a positive component along the normal.
+    bool directed = false;         ///< Only points whose direction has more than `least_cosine` with the normal.
+    double least_cosine = 0;
     const QuadricFit* robust_about = nullptr; ///< Residuals from this fit lower the weights as (1 + (r/s)^2)^-2.
     double robust_scale = 1;                  ///< s [length].
 };

@@ -132,18 +132,26 @@ TEST(AmlsSurface, GoodPointsAmongBadOnesDecide)
     mixed.insert(mixed.end(), noisy.begin(), noisy.end());
     even.insert(even.end(), noisy.begin(), noisy.end());
     const Distance distance = [](const Point& p) { return shapes::distance_to_sphere(p, 1); };
-    EXPECT_LT(rms(project_all(mixed).points, distance), 0.8 * rms(project_all(even).points, distance));
+    EXPECT_LT(rms(project_all(mixed).points, distance), 0.65 * rms(project_all(even).points, distance));
 }
 
 TEST(AmlsSurface, KeepsBoxesWithinTheNoise)
 {
     const Vector sides(1, 1.5, 2);
     const OrientedSamples box = shapes::box(15000, sides, 12);
-    const Points noisy = shapes::with_noise(box.points, 0.01, 13);
-    const AmlsProjection result = project_all(noisy);
+    const double sigma = 0.01;
+    const AmlsProjection result = project_all(shapes::with_noise(box.points, sigma, 13));
     const Distance distance = [&](const Point& p) { return shapes::distance_to_box(p, sides); };
-    EXPECT_LT(rms(result.points, distance), 0.8 * rms(noisy, distance));
+    // Points that face elsewhere and anchors that disagree would add more.
+    EXPECT_LT(rms(result.points, distance), 0.342 * sigma);
     EXPECT_GT(oriented_share(result, box.normals), 0.999);
+}
+
+TEST(AmlsSurface, HardlyRoundsTheEdgesOfCleanBoxes)
+{
+    const Vector sides(1, 1.5, 2);
+    const AmlsProjection result = project_all(shapes::box(15000, sides, 12).points);
+    EXPECT_LT(rms(result.points, [&](const Point& p) { return shapes::distance_to_box(p, sides); }), 4.2e-4);
 }
 
 TEST(AmlsSurface, DoesNotDependOnThreadsBitForBit)
