@@ -99,7 +99,8 @@ FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, 
 
 InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search,
                               const NearestTable& nearest, const std::vector<char>& is_crease, double crease_angle,
-                              double factor, int threads, const Progress& progress)
+                              double factor, int threads, const Progress& progress, const InitialFans* before,
+                              const std::vector<char>& is_changed)
 {
     const CreaseRule rule{is_crease, std::cos(crease_angle)};
     const int n = int(samples.points.size());
@@ -108,6 +109,16 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSea
         std::size_t(n), threads, progress,
         [&](std::size_t i)
         {
+            if (before && !is_changed[i])
+            {
+                const auto begin = before->member.begin();
+                FanOfSample& fan = fans[i];
+                fan.members.assign(begin + before->first[i], begin + before->first[i + 1]);
+                fan.farthest = before->farthest[i];
+                fan.widest_gap = before->widest_gap[i];
+                fan.gap_from = before->gap_from[i] < 0 ? -1 : before->gap_from[i] - before->first[i];
+                return;
+            }
             thread_local LocalPoints local;
             thread_local Ring ring;
             fans[i] = find_fan(samples, int(i), nearest.of(i), nearest.count, rule, local, ring);
@@ -123,11 +134,13 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSea
 
     InitialFans result;
     result.radius.resize(std::size_t(n));
+    result.farthest.resize(std::size_t(n));
     result.widest_gap.resize(std::size_t(n));
     result.gap_from.resize(std::size_t(n));
     result.first.assign(std::size_t(n) + 1, 0);
     for (std::size_t i = 0; i < std::size_t(n); ++i)
     {
+        result.farthest[i] = fans[i].farthest;
         result.radius[i] = factor * fans[i].farthest;
         result.widest_gap[i] = fans[i].widest_gap;
         result.gap_from[i] = fans[i].gap_from < 0 ? -1 : result.first[i] + fans[i].gap_from;

@@ -134,7 +134,7 @@ public:
         }
         InitialFans fans = find_fans(usable, progress.part(0.06, 0.12, "radii"));
         if (options_.hole_radius > 0 && fill(usable, fans))
-            prepare_again(usable, fans);
+            prepare_added(usable, fans);
         std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
         // Twice: what the first pass made shows the way to more.
         for (int pass = 0; !options_.fast && pass < 2; ++pass)
@@ -142,7 +142,7 @@ public:
             if (!put_into_folds(usable, fans, spacing,
                                 progress.part(0.12 + 0.015 * pass, 0.135 + 0.015 * pass, "folds")))
                 break;
-            prepare_again(usable, fans);
+            prepare_added(usable, fans);
             spacing = find_spacing(usable.samples, usable.nearest, threads_);
         }
         usable.nearest = {};
@@ -193,17 +193,18 @@ private:
                                        " turned over, since most neighbours contradict.");
     }
 
-    InitialFans find_fans(const UsableSamples& usable, const Progress& progress) const
+    InitialFans find_fans(const UsableSamples& usable, const Progress& progress, const InitialFans* before = nullptr,
+                          const std::vector<char>& is_changed = {}) const
     {
         return find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease,
-                                 options_.crease_angle * radians, 1.5, threads_, progress);
+                                 options_.crease_angle * radians, 1.5, threads_, progress, before, is_changed);
     }
 
-    /// After samples have been added.
-    void prepare_again(UsableSamples& usable, InitialFans& fans) const
+    /// After samples have been added: those that the fans do not know.
+    void prepare_added(UsableSamples& usable, InitialFans& fans) const
     {
-        update_nearest(usable, threads_);
-        fans = find_fans(usable, {});
+        const std::vector<char> is_changed = add_to_nearest(usable, fans.radius.size(), threads_);
+        fans = find_fans(usable, {}, &fans, is_changed);
     }
 
     /// Puts points into folds. \returns false if there are none.

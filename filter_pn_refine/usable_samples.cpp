@@ -81,6 +81,45 @@ void update_nearest(UsableSamples& usable, int threads, const Progress& progress
     usable.nearest = find_nearest(usable.samples.points, *usable.search, threads, progress);
 }
 
+std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added, int threads)
+{
+    const Points& points = usable.samples.points;
+    const NearestTable before = std::move(usable.nearest);
+    if (before.count < NearestTable::each)
+    {
+        update_nearest(usable, threads);
+        return std::vector<char>(points.size(), 1);
+    }
+    usable.search = std::make_unique<NeighbourSearch>(points);
+    NearestTable& table = usable.nearest;
+    table.count = before.count;
+    table.index.resize(points.size() * std::size_t(table.count));
+    const Points added(points.begin() + std::ptrdiff_t(first_added), points.end());
+    const NeighbourSearch added_search(added);
+    std::vector<char> is_changed(points.size(), 1);
+    parallel_for(points.size(), threads, {},
+                 [&](std::size_t i)
+                 {
+                     int* const row = table.index.data() + i * std::size_t(table.count);
+                     if (i < first_added)
+                     {
+                         const int* const old = before.of(i);
+                         const double reach = distance(points[i], points[std::size_t(old[before.count - 1])]);
+                         const double to_added =
+                             distance(points[i], added[std::size_t(added_search.nearest(points[i]))]);
+                         is_changed[i] = to_added < 2 * reach; // open fans look farther than the table
+                         if (to_added > reach)
+                         {
+                             std::copy_n(old, table.count, row);
+                             return;
+                         }
+                     }
+                     double squared[NearestTable::each];
+                     usable.search->nearest(points[i], table.count, row, squared);
+                 });
+    return is_changed;
+}
+
 void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
                            const Progress& progress, UsableSamples& usable)
 {

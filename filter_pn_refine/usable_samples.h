@@ -38,4 +38,8 @@ void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame,
 /// Makes search and table again after samples have been added or left out.
 void update_nearest(UsableSamples& usable, int threads, const Progress& progress = {});
 
+/// The same after samples have been added from `first_added` on; rows of the table that they do not touch are kept.
+/// \returns per sample whether an added one is near enough to change its fan.
+std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added, int threads);
+
 } // namespace recon::pn

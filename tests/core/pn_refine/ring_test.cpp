@@ -1,5 +1,6 @@
 #include "filter_pn_refine/initial_fans.h"
 #include "filter_pn_refine/kernels.h"
+#include "filter_pn_refine/usable_samples.h"
 
 #include "tests/shapes.h"
 
@@ -237,6 +238,38 @@ TEST(InitialFans, RadiusReachesTheFanAndThoseWhoseFanHoldsThePoint)
     EXPECT_LT(*std::max_element(fans.radius.begin(), fans.radius.end()), 0.6);
     const auto closed = std::count_if(fans.widest_gap.begin(), fans.widest_gap.end(), [](double g) { return g < 2.6; });
     EXPECT_GT(closed, 1450);
+}
+
+TEST(InitialFans, AreTheSameWhereOnlyThoseNearAddedSamplesAreFoundAgain)
+{
+    const OrientedSamples input = shapes::sphere(3000, 1, 4);
+    const UnitFrame frame(input.points);
+    pn::UsableSamples usable;
+    pn::choose_usable_samples(input, frame, 0.8, 1, {}, usable);
+    const auto find = [&](const pn::InitialFans* before, const std::vector<char>& is_changed)
+    {
+        return pn::find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease, 0.8, 1.5, 1, {},
+                                     before, is_changed);
+    };
+    const pn::InitialFans before = find(nullptr, {});
+    const OrientedSamples added = shapes::sphere(20, 1, 9);
+    for (std::size_t i = 0; i < added.points.size(); ++i)
+    {
+        usable.samples.points.push_back(frame.to_unit(added.points[i]));
+        usable.samples.normals.push_back(added.normals[i]);
+        usable.is_crease.push_back(0);
+    }
+    const std::vector<char> is_changed = pn::add_to_nearest(usable, 3000, 1);
+    EXPECT_LT(std::count(is_changed.begin(), is_changed.end(), 1), 2500);
+    const std::vector<int> index = usable.nearest.index;
+    const pn::InitialFans fans = find(&before, is_changed);
+    pn::update_nearest(usable, 1);
+    const pn::InitialFans all = find(nullptr, {});
+    EXPECT_EQ(index, usable.nearest.index);
+    EXPECT_EQ(fans.member, all.member);
+    EXPECT_EQ(fans.first, all.first);
+    EXPECT_EQ(fans.gap_from, all.gap_from);
+    EXPECT_EQ(fans.radius, all.radius);
 }
 
 } // namespace
