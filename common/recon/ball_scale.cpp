@@ -135,7 +135,6 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
         else
             append_scale(result, spacing.coarse[i], coarse_count, 0.7);
     result.median_spacing = median(spacing.fine);
-    result.median_cleanness = median(std::move(cleanness));
     return result;
 }
 
@@ -145,7 +144,6 @@ BallScale choose_fine_scale(const SampleSpacing& spacing)
     for (const int i : spacing.nearest)
         append_scale(result, spacing.fine[i], fine_count, 0.3);
     result.median_spacing = median(spacing.fine);
-    result.median_cleanness = 1;
     return result;
 }
 

@@ -33,7 +33,6 @@ struct BallScale
     std::vector<double> density;   ///< lambda: samples per area [1/length^2].
     std::vector<double> threshold; ///< c s: smallest polar ball kept [length].
     double median_spacing = 0;     ///< Median fine scale [length].
-    double median_cleanness = 0; ///< Median of the share of clean samples around a sample: above 0.7 the cloud is clean.
 };
 
 /// The scale at each sample: fine where most samples around have two long opposite poles (noise below the spacing) or, at thin

@@ -164,19 +164,21 @@ void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels
 }
 
 int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,
-                const std::vector<double>& margins, const HandleRepairOptions& options, std::vector<Side>& labels)
+                const std::vector<double>& margins, std::vector<Side>& labels)
 {
+    constexpr double highest_margin = 0.6;
+    constexpr int rounds = 5;
     const int n = int(labels.size());
     std::vector<int> candidates;
     for (int i = 0; i < n; ++i)
-        if (!is_root[i] && is_small[i] && margins[i] < options.highest_margin)
+        if (!is_root[i] && is_small[i] && margins[i] < highest_margin)
             candidates.push_back(i);
     std::sort(candidates.begin(), candidates.end(),
               [&](int a, int b) { return margins[a] != margins[b] ? margins[a] < margins[b] : a < b; });
     const CellsAtVertices at = list_cells_at_vertices(regular, n);
     BallLink link;
     int total = 0;
-    for (int round = 0; round < options.rounds; ++round)
+    for (int round = 0; round < rounds; ++round)
     {
         int turned = 0;
         for (const int ball : candidates)

@@ -17,16 +17,11 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
 void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<double>& margins, double share,
                    std::vector<int>& doubtful);
 
-/// Cuts handles and fills tunnels that hang on doubtful small balls: a ball on the interface with margin below
-/// `highest_margin` and radius below `largest_radius` of its own takes the other side if its neighbours on its own side fall
-/// into several pieces, more than those of the other side, and stay connected without it. Lowest margin first.
+/// Cuts handles and fills tunnels that hang on one doubtful small ball: a small ball on the interface with a margin below 0.6
+/// (at 0.8 thin tubes of clean clouds are cut through) takes the other side if its neighbours on its own side fall into several
+/// pieces, more than those of the other side, and stay connected without it. Lowest margin first, in five rounds at most.
 /// \returns the number of balls turned.
-struct HandleRepairOptions
-{
-    double highest_margin = 0.6; ///< At 0.8 thin tubes of clean clouds are cut through.
-    int rounds = 5;
-};
 int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,
-                const std::vector<double>& margins, const HandleRepairOptions& options, std::vector<Side>& labels);
+                const std::vector<double>& margins, std::vector<Side>& labels);
 
 } // namespace recon

@@ -227,7 +227,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     // The second round sees what the first joined.
     for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, island_share, labels) > 0; ++round)
         continue;
-    cut_handles(regular, graph.is_root, is_small, margins, {}, labels);
+    cut_handles(regular, graph.is_root, is_small, margins, labels);
     // Removal can bring other balls to the hull; outside is all that is known there.
     for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)
         for (const int v : regular.cells[c].vertices)
@@ -240,7 +240,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     progress.part(0.85, 1, "repair").report(1);
     times.end();
     return {std::move(kept),       std::move(diagram), std::move(regular), std::move(labels), std::move(ball_scale),
-            scale.median_spacing, scale.median_cleanness, violated};
+            scale.median_spacing, violated};
 }
 
 } // namespace recon

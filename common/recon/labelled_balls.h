@@ -31,7 +31,6 @@ struct LabelledBalls
     std::vector<Side> labels;
     std::vector<double> scale; ///< Per ball: local scale of the samples it touches [unit length].
     double spacing = 0;        ///< Median scale of the samples' spacing [unit length].
-    double cleanness = 0;      ///< Median share of samples that look free of noise [0..1].
     double violated_votes = 0; ///< Share of the votes' weight that the labels contradict [0..1].
 };
 

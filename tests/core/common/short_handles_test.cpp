@@ -98,7 +98,7 @@ TEST(ShortHandles, FillsADoubtfulTunnelThatIsWiderThanABall)
     ASSERT_EQ(planted.report().genus(), 1);
     const std::vector<char> is_small(planted.balls.size(), 1);
     EXPECT_EQ(cut_handles(planted.regular, planted.graph.is_root, is_small,
-                          measure_margins(planted.graph, planted.labels), {}, planted.labels),
+                          measure_margins(planted.graph, planted.labels), planted.labels),
               0)
         << "no single ball closes it";
     EXPECT_GE(planted.remove({}), 2);
