@@ -105,13 +105,15 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
     crust.target_vertices = result.samples;
-    if (options.smooth && (cloud.denoised || !cloud.is_noisy))
+    // Denoised samples lie on the AMLS surface already.
+    const bool through_samples = options.smooth && options.simplify && (cloud.denoised || !cloud.is_noisy);
+    if (through_samples)
         crust.interpolated = &cloud.samples;
     crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
     mesh = make_crust(labelled, crust);
     progress.part(0.85, 0.9, "crust").report(1);
-    if (options.smooth && cloud.surface)
+    if (options.smooth && cloud.surface && !through_samples)
     {
         times.begin("smooth");
         frame.from_unit_in_place(mesh.vertices);

@@ -10,7 +10,7 @@ struct EdgeFlipOptions
 {
     /// What a flip must save: the sum over the edges of length x difference of the unit normals, by the edges' length
     /// (> 0). Where less is at stake, a flip that makes the edge Delaunay is made.
-    double gain = 0.01;
+    double gain = 0.02;
     int most_flips = 10; ///< Per triangle [count], 1..255.
     int threads = 1;     ///< [count], >= 1. The result does not depend on it.
 };
