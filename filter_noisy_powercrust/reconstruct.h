@@ -18,8 +18,7 @@ struct NoisyPowerCrustOptions
 {
     double ball_threshold = 0; ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
     double noise = 0;          ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
-    double deep_intersection =
-        0; ///< Cosine of intersection above which neighbours agree, 0..1. 0 = weighed in samples.
+    double deep_intersection = 0; ///< Cosine above which neighbouring balls agree, 0..1. 0 = weighed in samples.
     KeepComponents keep_components = KeepComponents::largest;
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
     bool smooth = true; ///< The crust passes through clean or denoised samples, and other vertices of a noisy cloud's
