@@ -33,7 +33,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     labelling.threads = resolve_threads(options.threads);
     const Points samples = frame.to_unit(sampled.samples.points);
     const LabelledBalls labelled =
-        label_polar_balls(samples, sampled.samples.normals, labelling, times, progress.part(0.4, 0.85, "crust"));
+        label_polar_balls(samples, sampled.samples.normals, labelling, times, progress.part(0.4, 0.75, "polar balls"));
     result.violated_votes = labelled.violated_votes;
     times.begin("crust");
     CrustOptions crust;
@@ -42,7 +42,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     crust.target_vertices = result.samples;
     crust.interpolated = &samples;
     crust.threads = labelling.threads;
-    result.mesh = make_crust(labelled, crust);
+    result.mesh = make_crust(labelled, crust, progress.part(0.75, 0.85, "crust"));
     frame.from_unit_in_place(result.mesh.vertices);
     times.begin("smooth");
     result.vertices_on_surface =

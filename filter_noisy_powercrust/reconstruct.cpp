@@ -76,7 +76,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     labelling.noise = options.noise;
     labelling.deep_intersection = options.deep_intersection;
     labelling.threads = resolve_threads(options.threads);
-    const LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.85, "crust"));
+    const LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.75, "crust"));
     const PreparedSamples& cloud = found.cloud;
     const LabelledBalls& labelled = found.labelled;
     const UnitFrame& frame = cloud.frame;
@@ -111,8 +111,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         crust.interpolated = &cloud.samples;
     crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
-    mesh = make_crust(labelled, crust);
-    progress.part(0.85, 0.9, "crust").report(1);
+    mesh = make_crust(labelled, crust, progress.part(0.75, 0.9, "crust"));
     if (options.smooth && cloud.surface && !through_samples)
     {
         times.begin("smooth");

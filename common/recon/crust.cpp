@@ -10,49 +10,65 @@
 
 namespace recon
 {
-TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options)
+namespace
+{
+
+std::vector<double> list_scales(const CrustPolygons& polygons, const LabelledBalls& labelled)
+{
+    std::vector<double> result;
+    result.reserve(polygons.ball.size());
+    for (const int ball : polygons.ball)
+    {
+        const double local = labelled.scale[ball];
+        result.push_back(local > 0 ? local : labelled.spacing);
+    }
+    return result;
+}
+
+TriangleMesh simplify(const CrustPolygons& polygons, const LabelledBalls& labelled, const CrustOptions& options,
+                      const Progress& progress)
+{
+    WeldedCrust welded = weld_clusters(polygons, list_scales(polygons, labelled), options.threads);
+    progress.report(0.4);
+    TriangleMesh mesh = std::move(welded.mesh);
+    EdgeCollapseOptions collapse;
+    collapse.target_vertices = options.target_vertices;
+    collapse.threads = options.threads;
+    std::vector<int> seats;
+    if (options.interpolated)
+    {
+        seats = seat_samples(mesh.vertices, *options.interpolated, options.threads);
+        for (const int sample : seats)
+            collapse.stays.push_back(sample >= 0);
+    }
+    const std::vector<int> former =
+        collapse_short_edges(mesh, welded.half_edges, welded.scale, welded.merged, collapse);
+    progress.report(0.8);
+    if (options.interpolated)
+    {
+        std::vector<int> seats_left;
+        for (const int vertex : former)
+            seats_left.push_back(seats[vertex]);
+        interpolate_samples(mesh, seats_left, *options.interpolated, options.threads);
+    }
+    return mesh;
+}
+
+} // namespace
+
+TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress)
 {
     const CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels, options.threads);
     if (polygons.corners.empty())
         throw AlgorithmFailure(
             "No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
-    TriangleMesh mesh;
-    if (options.simplify)
-    {
-        std::vector<double> scale;
-        scale.reserve(polygons.ball.size());
-        for (const int ball : polygons.ball)
-        {
-            const double local = labelled.scale[ball];
-            scale.push_back(local > 0 ? local : labelled.spacing);
-        }
-        WeldedCrust welded = weld_clusters(polygons, scale, options.threads);
-        mesh = std::move(welded.mesh);
-        EdgeCollapseOptions collapse;
-        collapse.target_vertices = options.target_vertices;
-        collapse.threads = options.threads;
-        std::vector<int> seats;
-        if (options.interpolated)
-        {
-            seats = seat_samples(mesh.vertices, *options.interpolated, options.threads);
-            for (const int sample : seats)
-                collapse.stays.push_back(sample >= 0);
-        }
-        const std::vector<int> former =
-            collapse_short_edges(mesh, welded.half_edges, welded.scale, welded.merged, collapse);
-        if (options.interpolated)
-        {
-            std::vector<int> seats_left;
-            for (const int vertex : former)
-                seats_left.push_back(seats[vertex]);
-            interpolate_samples(mesh, seats_left, *options.interpolated, options.threads);
-        }
-    }
-    else
-        mesh = triangulate_polygons(polygons, options.threads);
+    progress.report(0.2);
+    TriangleMesh mesh = options.simplify ? simplify(polygons, labelled, options, progress)
+                                         : triangulate_polygons(polygons, options.threads);
     // After the collapse, which leaves a tenth of the triangles.
     if (options.keep_components == KeepComponents::largest)
         keep_largest_component(mesh);
+    progress.report(1);
     return mesh;
 }
 

@@ -3,6 +3,7 @@
 #include <recon/labelled_balls.h>
 
 #include <recon/geometry.h>
+#include <recon/progress.h>
 
 namespace recon
 {
@@ -21,11 +22,11 @@ struct CrustOptions
     int target_vertices = 0;              ///< Vertices to collapse down to, as far as no long edge must go [count].
     const Points* interpolated = nullptr; ///< With `simplify`: the labelled samples, if they are free of noise; the
                                           ///< crust passes through them then, and has about one vertex for each.
-    int threads = 1; ///< [count], >= 1. The result does not depend on it.
+    int threads = 1;                      ///< [count], >= 1. The result does not depend on it.
 };
 
 /// Crust of labelled balls, in the unit frame: extracted, stray shells dropped, short edges collapsed. A closed
-/// oriented manifold. \throws AlgorithmFailure if no inner ball is left.
-TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options);
+/// oriented manifold. \throws AlgorithmFailure if no inner ball is left. \throws Cancelled.
+TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress = {});
 
 } // namespace recon
