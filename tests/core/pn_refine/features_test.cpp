@@ -1,3 +1,5 @@
+#include "one_thread.h"
+
 #include "filter_pn_refine/refine.h"
 
 #include "tests/shapes.h"
@@ -15,14 +17,6 @@ namespace
 {
 
 using namespace recon;
-
-PnRefineOptions one_thread(int steps)
-{
-    PnRefineOptions options;
-    options.steps = steps;
-    options.threads = 1;
-    return options;
-}
 
 /// Cube of side 2 with m x m samples a face; those on edges and corners stand twice and three times.
 OrientedSamples cube(int m)

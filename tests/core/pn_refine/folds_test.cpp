@@ -1,3 +1,5 @@
+#include "one_thread.h"
+
 #include "filter_pn_refine/hermite_surface.h"
 #include "filter_pn_refine/refine.h"
 
@@ -15,14 +17,6 @@ namespace
 {
 
 using namespace recon;
-
-PnRefineOptions one_thread(int steps)
-{
-    PnRefineOptions options;
-    options.steps = steps;
-    options.threads = 1;
-    return options;
-}
 
 TEST(HermiteSurface, InterpolatesPositionsAndNormals)
 {

@@ -1,3 +1,5 @@
+#include "one_thread.h"
+
 #include "filter_pn_refine/refine.h"
 
 #include "tests/shapes.h"
@@ -16,14 +18,6 @@ namespace
 {
 
 using namespace recon;
-
-PnRefineOptions one_thread(int steps)
-{
-    PnRefineOptions options;
-    options.steps = steps;
-    options.threads = 1;
-    return options;
-}
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b)
