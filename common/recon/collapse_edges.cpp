@@ -116,11 +116,9 @@ private:
         std::array<int, most_neighbours> around_a, around_b; ///< Where they lead.
     };
 
-    static int next(int h) { return (h & 3) == 2 ? h - 2 : h + 1; }
-    static int previous(int h) { return (h & 3) == 0 ? h + 2 : h - 1; }
     int& origin(int h) { return triangles_[h >> 2].origin[h & 3]; }
     int origin(int h) const { return triangles_[h >> 2].origin[h & 3]; }
-    int target(int h) const { return origin(next(h)); }
+    int target(int h) const { return origin(next_half_edge(h)); }
     int& twin(int h) { return triangles_[h >> 2].twin[h & 3]; }
     int twin(int h) const { return triangles_[h >> 2].twin[h & 3]; }
 
@@ -157,7 +155,7 @@ private:
             {
                 if (v < target(h))
                     enlist(h, 0, blocks_[b]);
-                h = twin(previous(h));
+                h = twin(previous_half_edge(h));
             } while (h != vertices_[v].outgoing);
         }
     }
@@ -269,7 +267,7 @@ private:
             {
                 half_edges[count] = g;
                 ends[count++] = target(g);
-                g = twin(previous(g));
+                g = twin(previous_half_edge(g));
             } while (g != start);
             return count;
         };
@@ -355,8 +353,8 @@ private:
             origin(around.from_b[i]) = a;
         for (const int removed : {h, g})
         {
-            const int one = twin(next(removed)), other = twin(previous(removed));
-            const int opposite = origin(previous(removed));
+            const int one = twin(next_half_edge(removed)), other = twin(previous_half_edge(removed));
+            const int opposite = origin(previous_half_edge(removed));
             twin(one) = other;
             twin(other) = one;
             const bool one_leaves = origin(one) == opposite;

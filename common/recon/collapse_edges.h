@@ -21,9 +21,12 @@ struct EdgeCollapseOptions
 
 /// Collapses short edges of a closed oriented manifold, by rising limits of length, each to its heavier end (the one
 /// that has swallowed more vertices) or its midpoint. It stays a closed oriented manifold of the same topology (link
-/// condition), and no triangle turns against the surface around it. \param half_edges of the mesh, none faulty. \param
-/// scale per vertex, > 0. \param merged per vertex: how many it stands for already. \returns for each vertex that is
-/// left one of its former indices. Faux edges are forgotten.
+/// condition), and no triangle turns against the surface around it. Faux edges are forgotten.
+///
+/// \param half_edges of the mesh, none faulty.
+/// \param scale per vertex, > 0.
+/// \param merged per vertex: how many it stands for already.
+/// \returns for each vertex that is left one of its former indices.
 std::vector<int> collapse_short_edges(TriangleMesh& mesh, const HalfEdges& half_edges, const std::vector<double>& scale,
                                       const std::vector<int>& merged, const EdgeCollapseOptions& options);
 

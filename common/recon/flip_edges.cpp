@@ -82,10 +82,10 @@ private:
         e.left = &faces_[h >> 2];
         e.right = &faces_[g >> 2];
         const auto beyond = [&](int side) { return &faces_[mesh_.twin(side) >> 2].normal; };
-        e.bc = beyond(HalfEdgeMesh::next(h));
-        e.ca = beyond(HalfEdgeMesh::previous(h));
-        e.ad = beyond(HalfEdgeMesh::next(g));
-        e.db = beyond(HalfEdgeMesh::previous(g));
+        e.bc = beyond(next_half_edge(h));
+        e.ca = beyond(previous_half_edge(h));
+        e.ad = beyond(next_half_edge(g));
+        e.db = beyond(previous_half_edge(g));
         e.length = distance(e.a, e.b);
         e.bc_length = distance(e.b, e.c);
         e.ca_length = distance(e.c, e.a);

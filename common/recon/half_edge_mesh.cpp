@@ -52,7 +52,8 @@ void HalfEdgeMesh::flip(int h)
 {
     const int g = twin(h), t = h >> 2, u = g >> 2;
     const int a = origin(h), b = target(h), c = opposite(h), d = opposite(g);
-    const int bc = twin(next(h)), ca = twin(previous(h)), ad = twin(next(g)), db = twin(previous(g));
+    const int bc = twin(next_half_edge(h)), ca = twin(previous_half_edge(h)), ad = twin(next_half_edge(g)),
+              db = twin(previous_half_edge(g));
     put(t, c, a, d);
     put(u, d, b, c);
     join(4 * t, ca);

@@ -16,13 +16,11 @@ public:
     /// Forgets faux edges. \param mesh outlives this object. \param half_edges of it, none faulty.
     HalfEdgeMesh(TriangleMesh& mesh, HalfEdges half_edges);
 
-    static int next(int h) { return (h & 3) == 2 ? h - 2 : h + 1; }
-    static int previous(int h) { return (h & 3) == 0 ? h + 2 : h - 1; }
     int triangles() const { return int(mesh_.triangles.size()); }
     int vertices() const { return int(mesh_.vertices.size()); }
     int origin(int h) const { return mesh_.triangles[h >> 2][h & 3]; }
-    int target(int h) const { return origin(next(h)); }
-    int opposite(int h) const { return origin(previous(h)); } ///< Third corner of its triangle.
+    int target(int h) const { return origin(next_half_edge(h)); }
+    int opposite(int h) const { return origin(previous_half_edge(h)); } ///< Third corner of its triangle.
     int twin(int h) const { return half_edges_.twin[h >> 2][h & 3]; }
     int degree(int v) const { return half_edges_.degree[v]; }
     const Point& position(int v) const { return mesh_.vertices[v]; }
@@ -35,7 +33,7 @@ public:
         do
         {
             call(h);
-            h = twin(previous(h));
+            h = twin(previous_half_edge(h));
         } while (h != half_edges_.outgoing[v]);
     }
 

@@ -46,9 +46,16 @@ public:
         : mesh_(mesh, pair_half_edges(mesh, threads)), samples_(samples), seats_(seats), is_vertex_(samples.size(), 0),
           threads_(threads)
     {
+        std::vector<char> has_seat(samples.size(), 0);
+        for (const int sample : seats)
+            if (sample >= 0)
+                has_seat[sample] = 1;
+        for (int i = 0; i < int(samples.size()); ++i)
+            if (!has_seat[i])
+                seatless_.push_back(i);
     }
 
-    int run()
+    void run()
     {
         EdgeFlipOptions flips;
         flips.threads = threads_;
@@ -60,7 +67,6 @@ public:
                 break;
             flip_edges(mesh_, flips);
         }
-        return int(std::count(is_vertex_.begin(), is_vertex_.end(), 1));
     }
 
 private:
@@ -88,17 +94,13 @@ private:
 
     int insert_missing()
     {
-        std::vector<char> has_seat(samples_.size(), 0);
-        for (const int sample : seats_)
-            if (sample >= 0)
-                has_seat[sample] = 1;
         Points vertices;
         for (int v = 0; v < mesh_.vertices(); ++v)
             vertices.push_back(mesh_.position(v));
         const BlockSearch search(vertices);
         int inserted = 0;
-        for (std::size_t i = 0; i < samples_.size(); ++i)
-            if (!is_vertex_[i] && !has_seat[i] && insert(samples_[i], search))
+        for (const int i : seatless_)
+            if (!is_vertex_[i] && insert(samples_[i], search))
             {
                 is_vertex_[i] = 1;
                 ++inserted;
@@ -135,6 +137,7 @@ private:
     HalfEdgeMesh mesh_;
     const Points& samples_;
     const std::vector<int>& seats_;
+    std::vector<int> seatless_;   ///< Samples, ascending.
     std::vector<char> is_vertex_; ///< Per sample.
     int threads_;
 };
@@ -163,9 +166,10 @@ std::vector<int> seat_samples(const Points& vertices, const Points& samples, int
     return result;
 }
 
-int interpolate_samples(TriangleMesh& mesh, const std::vector<int>& seats, const Points& samples, int threads)
+void interpolate_samples(TriangleMesh& mesh, const std::vector<int>& seats, const Points& samples, int threads)
 {
-    return mesh.triangles.empty() ? 0 : Interpolator(mesh, seats, samples, threads).run();
+    if (!mesh.triangles.empty())
+        Interpolator(mesh, seats, samples, threads).run();
 }
 
 } // namespace recon

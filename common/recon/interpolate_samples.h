@@ -13,8 +13,9 @@ std::vector<int> seat_samples(const Points& vertices, const Points& samples, int
 
 /// Makes a crust pass through samples that are free of noise: vertices move to the samples that have their seats there,
 /// samples without a seat become new vertices, and edges are flipped so that the surface bends least (flip_edges.h).
-/// The crust stays a closed oriented manifold of the same topology; what would turn a triangle over is left out. \param
-/// seats per vertex of `mesh`, as by seat_samples(). \returns the number of samples that are vertices now.
-int interpolate_samples(TriangleMesh& mesh, const std::vector<int>& seats, const Points& samples, int threads = 1);
+/// The crust stays a closed oriented manifold of the same topology; what would turn a triangle over is left out.
+///
+/// \param seats per vertex of `mesh`, as by seat_samples().
+void interpolate_samples(TriangleMesh& mesh, const std::vector<int>& seats, const Points& samples, int threads = 1);
 
 } // namespace recon
