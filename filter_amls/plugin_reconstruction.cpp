@@ -66,7 +66,8 @@ plugin::FilterSpec recon::plugin_filters::describe_reconstruction()
                             "normals</b>: the points are "
                             "moved onto their AMLS surface and thinned, a power crust of them gives the triangles, and "
                             "its vertices are put on "
-                            "the AMLS surface. Holes of the scan are closed. Nothing needs to be tuned.<br><br>") +
+                            "the AMLS surface. Points without noise stay where they are. Holes of the scan are closed. "
+                            "Nothing needs to be tuned.<br><br>") +
                 citation;
     spec.category = plugin::Category::remeshing | plugin::Category::point_set;
     spec.effects = plugin::Effect::makes_layer;

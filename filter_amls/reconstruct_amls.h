@@ -26,9 +26,9 @@ struct AmlsReconstruction
     TriangleMesh mesh;
     std::vector<int> nearest_sample; ///< Per vertex: index of the nearest input point.
     AmlsSurfaceReport surface;
-    int samples = 0;             ///< Projected, thinned points that the mesh was made of [count].
+    int samples = 0;             ///< Points that the mesh was made of: projected and thinned, or clean [count].
     int outliers = 0;            ///< Points that the surface does not claim [count].
-    int vertices_on_surface = 0; ///< Vertices projected onto I = 0; the others close holes of the data [count].
+    int vertices_on_surface = 0; ///< Vertices projected onto I = 0; the others close holes, or are clean points [count].
     int components = 0;          ///< [count]
     int euler_characteristic = 0;
     int genus = 0;             ///< Summed over the components.
@@ -39,7 +39,8 @@ struct AmlsReconstruction
 /// Reconstructs a surface from noisy points without normals (Dey and Sun 2005, section 7): normals, widths, projection,
 /// and in place of Cocone a power crust of the projected, thinned points, told inside from outside by an exact cut with
 /// their normals. Its vertices are then projected onto I = 0; the topology stays. It is closed where the data closes,
-/// and over holes. \throws InvalidInput, AlgorithmFailure, Cancelled.
+/// and over holes. A clean cloud (cleanness.h) whose points tell inside from outside makes the crust as it is, which
+/// then passes through the points; only where they show a little noise are its vertices projected. \throws InvalidInput, AlgorithmFailure, Cancelled.
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options = {},
                                     const Progress& progress = {});
 

@@ -36,6 +36,33 @@ TEST(ReconstructAmls, MakesASmoothClosedTorus)
     EXPECT_EQ(found.nearest_sample.size(), found.mesh.vertices.size());
 }
 
+TEST(ReconstructAmls, PassesThroughCleanPoints)
+{
+    const Points points = shapes::torus(4000, 1, 0.4, 1).points;
+    const AmlsReconstruction found = reconstruct_amls(points);
+    EXPECT_TRUE(checks::examine_mesh(found.mesh).is_closed_oriented_manifold());
+    EXPECT_EQ(found.genus, 1);
+    EXPECT_EQ(found.vertices_on_surface, 0);
+    int exact = 0;
+    for (std::size_t v = 0; v < found.mesh.vertices.size(); ++v)
+        exact += (found.mesh.vertices[v] - points[found.nearest_sample[v]]).norm() < 1e-12;
+    EXPECT_GT(exact, 0.99 * double(found.mesh.vertices.size()));
+    EXPECT_GT(exact, 0.99 * double(points.size()));
+}
+
+TEST(ReconstructAmls, ProjectsTheCrustOfPointsWithALittleNoise)
+{
+    const double sigma = 0.2 * std::sqrt(4 * pi * pi * 0.4 / 4000); // spacings
+    const Points points = shapes::with_noise(shapes::torus(4000, 1, 0.4, 1).points, sigma, 2);
+    const AmlsReconstruction found = reconstruct_amls(points);
+    EXPECT_EQ(found.genus, 1);
+    EXPECT_GT(found.vertices_on_surface, 0.99 * double(found.mesh.vertices.size()));
+    double squares = 0;
+    for (const Point& p : found.mesh.vertices)
+        squares += std::pow(shapes::distance_to_torus(p, 1, 0.4), 2);
+    EXPECT_LT(std::sqrt(squares / double(found.mesh.vertices.size())), 0.5 * sigma);
+}
+
 TEST(ReconstructAmls, DoesNotDependOnThreads)
 {
     const Points points = shapes::with_noisy_copies(shapes::sphere(1500, 1, 1).points, 0.01, 4, 2);
