@@ -9,6 +9,8 @@
 #include <filter_amls/sample_surface.h>
 #include <filter_amls/surface_data.h>
 
+#include <recon/neighbours.h>
+
 #include "tests/checks.h"
 
 #include <CGAL/Delaunay_triangulation_3.h>

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -102,31 +103,41 @@ public:
         std::vector<int> seeds;
         for (int i = 0; i < n; i += stride)
             seeds.push_back(i);
-        std::vector<double> spacings;
-        for (const int seed : seeds)
-        {
-            const Neighbourhood near = look_around(search_, samples_[seed]);
-            spacings.push_back(std::sqrt(near.squared[std::min(6, near.count - 1)]));
-        }
-        spacing_ = median(std::move(spacings));
         std::vector<SeedPlanes> around_seed(seeds.size());
+        std::vector<double> spacings(seeds.size());
         parallel_for(seeds.size(), options_.threads, progress.part(0, 0.7, "flat faces"),
-                     [&](std::size_t k) { around_seed[k] = fit_around(seeds[k]); });
+                     [&](std::size_t k)
+                     {
+                         const Neighbourhood near = look_around(search_, samples_[seeds[k]]);
+                         spacings[k] = std::sqrt(near.squared[std::min(6, near.count - 1)]);
+                         around_seed[k] = fit_around(seeds[k], near);
+                     });
+        spacing_ = median(std::move(spacings));
+        std::vector<Plane> candidates;
+        for (const SeedPlanes& planes : around_seed)
+            std::copy_if(planes.begin(), planes.end(), std::back_inserter(candidates),
+                         [](const Plane& plane) { return plane.tolerance > 0; });
         std::vector<FlatFace> faces;
-        for (std::size_t k = 0; k < seeds.size(); ++k)
+        // Few enough at a time that they seldom grow into the same plane.
+        constexpr std::size_t batch = 16;
+        for (std::size_t begin = 0; begin < candidates.size(); begin += batch)
         {
-            for (Plane plane : around_seed[k])
+            progress.part(0.7, 1, "flat faces").report(double(begin) / double(candidates.size()));
+            std::vector<Plane> grown;
+            for (std::size_t k = begin; k < std::min(begin + batch, candidates.size()); ++k)
+                if (!is_known(candidates[k]))
+                    grown.push_back(candidates[k]);
+            std::vector<std::vector<int>> members(grown.size());
+            parallel_for(
+                grown.size(), options_.threads, {}, [&](std::size_t k) { members[k] = grow(grown[k]); }, 1);
+            for (std::size_t k = 0; k < grown.size(); ++k)
             {
-                if (plane.tolerance == 0 || is_known(plane))
+                if (int(members[k].size()) < options_.fewest_samples || is_known(grown[k]))
                     continue;
-                const std::vector<int> members = grow(plane);
-                if (int(members.size()) < options_.fewest_samples || is_known(plane))
-                    continue;
-                planes_.push_back(plane);
-                if (is_on_rims(plane, members))
-                    append_faces(plane, members, faces);
+                planes_.push_back(grown[k]);
+                if (is_on_rims(grown[k], members[k]))
+                    append_faces(grown[k], members[k], faces);
             }
-            progress.part(0.7, 1, "flat faces").report(double(k) / double(seeds.size()));
         }
         drop_mouths(faces);
         return faces;
@@ -135,10 +146,9 @@ public:
 private:
     /// The planes that hold most of the samples around a seed, as many as meet at a corner; tolerance 0 where there is
     /// none with bare ground at the seed.
-    SeedPlanes fit_around(int seed) const
+    SeedPlanes fit_around(int seed, const Neighbourhood& near) const
     {
         const Point& p = samples_[seed];
-        const Neighbourhood near = look_around(search_, p);
         SeedPlanes best;
         if (near.count < fewest_around)
             return best;

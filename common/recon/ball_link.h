@@ -1,6 +1,7 @@
 #pragma once
 
 #include <recon/disjoint_sets.h>
+#include <recon/parallel.h>
 #include <recon/signed_labelling.h>
 #include <recon/triangulation.h>
 
@@ -13,14 +14,14 @@ namespace recon
 
 /// Joins neighbouring balls of one group. \param group_of of a ball: 0 or 1, negative for one that is joined to none.
 template <class GroupOf>
-DisjointSets join_neighbours(const Triangulation& regular, std::size_t balls, GroupOf&& group_of)
+DisjointSets join_neighbours(const Triangulation& regular, std::size_t balls, int threads, GroupOf&& group_of)
 {
     DisjointSets sets(balls);
     // Balls of one group in a cell are all neighbours: to join each to the first is enough.
-    for (const auto& cell : regular.cells)
+    const auto join_in_cell = [&](std::size_t c)
     {
         int first[2] = {-1, -1};
-        for (const int v : cell.vertices)
+        for (const int v : regular.cells[c].vertices)
         {
             const int group = v == Triangulation::infinite ? -1 : group_of(v);
             if (group < 0)
@@ -30,7 +31,8 @@ DisjointSets join_neighbours(const Triangulation& regular, std::size_t balls, Gr
             else
                 sets.join(first[group], v);
         }
-    }
+    };
+    parallel_for(regular.cells.size(), threads, {}, join_in_cell, 8192);
     return sets;
 }
 

@@ -4,6 +4,7 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -33,10 +34,62 @@ void append_scale(BallScale& result, double scale, double count, double factor)
     result.threshold.push_back(factor * scale);
 }
 
+/// sqrt(2 x mean squared distance) of the nearest, the first of which is the sample itself.
+double spread(const double* squared, int count)
+{
+    double sum = 0;
+    for (int j = 1; j < count; ++j)
+        sum += squared[j];
+    return std::sqrt(2 * sum / std::max(count - 1, 1));
+}
+
+/// Coarse spacing of the members that are not fine, 0 of the others.
+std::vector<double> measure_coarse(const SampleSpacing& spacing, const std::vector<char>& is_fine, const Points& samples,
+                                   const BlockSearch& search, int threads)
+{
+    constexpr int around = 9;
+    const std::size_t m = spacing.subset.size();
+    std::vector<int> coarse;
+    for (std::size_t i = 0; i < m; ++i)
+        if (!is_fine[i])
+            coarse.push_back(int(i));
+    std::vector<std::array<int, around>> near(coarse.size());
+    std::vector<int> found(coarse.size());
+    parallel_for(coarse.size(), threads, {},
+                 [&](std::size_t k)
+                 {
+                     double squared[around];
+                     found[k] = spacing.search.nearest(samples[spacing.subset[coarse[k]]], around, near[k].data(), squared);
+                 });
+    std::vector<char> is_near(m, 0);
+    for (std::size_t k = 0; k < coarse.size(); ++k)
+        for (int j = 0; j < found[k]; ++j)
+            is_near[near[k][j]] = 1;
+    std::vector<double> raw(m, 0), result(m, 0);
+    parallel_for(m, threads, {},
+                 [&](std::size_t i)
+                 {
+                     if (!is_near[i])
+                         return;
+                     int indices[coarse_count + 1];
+                     double squared[coarse_count + 1];
+                     const int count = search.nearest(samples[spacing.subset[i]], coarse_count + 1, indices, squared);
+                     raw[i] = spread(squared, count);
+                 });
+    parallel_for(coarse.size(), threads, {},
+                 [&](std::size_t k)
+                 {
+                     std::vector<double> values;
+                     for (int j = 0; j < found[k]; ++j)
+                         values.push_back(raw[near[k][j]]);
+                     result[coarse[k]] = median(std::move(values));
+                 });
+    return result;
+}
+
 } // namespace
 
-SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads,
-                              const Progress& progress)
+SampleSpacing measure_spacing(const Points& samples, const BlockSearch& search, int threads)
 {
     SampleSpacing result;
     const int n = int(samples.size());
@@ -47,93 +100,78 @@ SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& sear
     result.mates.resize(m, {-1, -1, -1});
     result.eighth.resize(m);
     result.fine.resize(m);
-    std::vector<double> raw(m);
-    parallel_for(m, threads, progress.part(0, 0.6, "local spacing"),
+    parallel_for(m, threads, {},
                  [&](std::size_t i)
                  {
-                     int indices[coarse_count + 1];
-                     double squared[coarse_count + 1];
-                     const int found = search.nearest(samples[result.subset[i]], coarse_count + 1, indices, squared);
-                     const auto spread = [&](int k)
-                     {
-                         k = std::min(k, found - 1);
-                         double sum = 0;
-                         for (int j = 1; j <= k; ++j)
-                             sum += squared[j];
-                         return std::sqrt(2 * sum / std::max(k, 1));
-                     };
+                     constexpr int around = 9;
+                     int indices[around];
+                     double squared[around];
+                     const int found = search.nearest(samples[result.subset[i]], around, indices, squared);
                      for (int j = 1; j < std::min(found, 4); ++j)
                          result.mates[i][j - 1] = indices[j];
-                     result.eighth[i] = std::sqrt(squared[std::min(8, found - 1)]);
-                     result.fine[i] = spread(fine_count);
-                     raw[i] = spread(coarse_count);
+                     result.eighth[i] = std::sqrt(squared[found - 1]);
+                     result.fine[i] = spread(squared, std::min(found, fine_count + 1));
                  });
-
-    const Points members = points_at(result.subset, samples);
-    const NeighbourSearch member_search(members);
-    result.coarse.resize(m);
-    parallel_for(m, threads, progress.part(0.6, 0.8, "local spacing"),
-                 [&](std::size_t i)
-                 {
-                     int indices[9];
-                     double squared[9];
-                     const int found = member_search.nearest(members[i], 9, indices, squared);
-                     std::vector<double> values;
-                     for (int j = 0; j < found; ++j)
-                         values.push_back(raw[indices[j]]);
-                     result.coarse[i] = median(std::move(values));
-                 });
+    result.search = BlockSearch(points_at(result.subset, samples));
     result.nearest.resize(samples.size());
-    parallel_for(samples.size(), threads, progress.part(0.8, 1, "local spacing"),
-                 [&](std::size_t i) { result.nearest[i] = member_search.nearest(samples[i]); });
+    parallel_for(samples.size(), threads, {},
+                 [&](std::size_t i) { result.nearest[i] = result.search.nearest(samples[i]); });
     return result;
 }
 
-BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay,
-                       const Poles& poles, double noise, int threads)
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const BlockSearch& search,
+                       const Triangulation& delaunay, const Poles& poles, double noise, int threads)
 {
     const std::size_t m = spacing.subset.size();
     std::vector<char> clean(m);
     std::vector<double> flat(m, 0);
-    for (std::size_t i = 0; i < m; ++i)
-    {
-        const int v = spacing.subset[i];
-        const auto& cells = poles.cells[v];
-        if (cells[0] == Poles::none)
-            continue;
-        const Vector first = delaunay.centres[cells[0]] - samples[v];
-        Points mates;
-        for (const int mate : spacing.mates[i])
-            if (mate >= 0)
-                mates.push_back(samples[mate] - samples[v]);
-        flat[i] = share_of_flat(first, mates.data(), int(mates.size()));
-        if (cells[1] == Poles::none)
-            continue;
-        const Vector second = delaunay.centres[cells[1]] - samples[v];
-        clean[i] = has_clean_poles(first, second, spacing.eighth[i]);
-    }
-    const Points members = points_at(spacing.subset, samples);
-    const NeighbourSearch search(members);
-    constexpr int around = 24;
-    std::vector<double> cleanness(m), flatness(m);
     parallel_for(m, threads, {},
                  [&](std::size_t i)
                  {
+                     const int v = spacing.subset[i];
+                     const auto& cells = poles.cells[v];
+                     if (cells[0] == Poles::none)
+                         return;
+                     const Vector first = delaunay.centres[cells[0]] - samples[v];
+                     std::array<Point, 3> mates;
+                     int count = 0;
+                     for (const int mate : spacing.mates[i])
+                         if (mate >= 0)
+                             mates[count++] = samples[mate] - samples[v];
+                     flat[i] = share_of_flat(first, mates.data(), count);
+                     if (cells[1] == Poles::none)
+                         return;
+                     const Vector second = delaunay.centres[cells[1]] - samples[v];
+                     clean[i] = has_clean_poles(first, second, spacing.eighth[i]);
+                 });
+    constexpr int around = 24;
+    std::vector<char> is_fine(m);
+    parallel_for(m, threads, {},
+                 [&](std::size_t i)
+                 {
+                     if (noise > 0)
+                     {
+                         is_fine[i] = noise < 0.1 * spacing.fine[i];
+                         return;
+                     }
                      int indices[around];
                      double squared[around];
-                     const int found = search.nearest(members[i], around, indices, squared);
+                     const int found = spacing.search.nearest(samples[spacing.subset[i]], around, indices, squared);
+                     double cleanness = 0, flatness = 0;
                      for (int j = 0; j < found; ++j)
                      {
-                         cleanness[i] += clean[indices[j]] ? 1.0 / found : 0;
-                         flatness[i] += flat[indices[j]] / found;
+                         cleanness += clean[indices[j]] ? 1.0 / found : 0;
+                         flatness += flat[indices[j]] / found;
                      }
+                     is_fine[i] = cleanness > clean_above || flatness > flat_above;
                  });
+    const std::vector<double> coarse = measure_coarse(spacing, is_fine, samples, search, threads);
     BallScale result;
     for (const int i : spacing.nearest)
-        if (noise > 0 ? noise < 0.1 * spacing.fine[i] : cleanness[i] > clean_above || flatness[i] > flat_above)
+        if (is_fine[i])
             append_scale(result, spacing.fine[i], fine_count, 0.3);
         else
-            append_scale(result, spacing.coarse[i], coarse_count, 0.7);
+            append_scale(result, coarse[i], coarse_count, 0.7);
     result.median_spacing = median(spacing.fine);
     return result;
 }

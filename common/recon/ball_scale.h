@@ -1,7 +1,7 @@
 #pragma once
 
+#include <recon/block_search.h>
 #include <recon/geometry.h>
-#include <recon/neighbours.h>
 #include <recon/polar_balls.h>
 #include <recon/progress.h>
 
@@ -19,12 +19,11 @@ struct SampleSpacing
     std::vector<std::array<int, 3>> mates; ///< Likewise its 3 nearest samples, -1 where there are fewer.
     std::vector<double> eighth; ///< Likewise distance to the 8th nearest sample.
     std::vector<double> fine;   ///< sqrt(2 x mean squared distance to the 6 nearest).
-    std::vector<double> coarse; ///< The same with 30, median over the 9 nearest members.
+    BlockSearch search;         ///< Over the subset.
 };
 
-/// \param search over `samples`.
-SampleSpacing measure_spacing(const Points& samples, const NeighbourSearch& search, int threads,
-                              const Progress& progress = {});
+/// \param search over `samples`, here and below.
+SampleSpacing measure_spacing(const Points& samples, const BlockSearch& search, int threads);
 
 /// What a ball must have to count as evidence, per sample.
 struct BallScale
@@ -36,10 +35,10 @@ struct BallScale
 };
 
 /// The scale at each sample: fine where most samples around have two long opposite poles (noise below the spacing) or, at thin
-/// walls, neighbours that lie flat; else coarse.
+/// walls, neighbours that lie flat; else coarse: as the fine one but with the 30 nearest, median over the 9 nearest members.
 /// \param noise standard deviation of the noise, which then decides between fine and coarse; 0 = unknown.
-BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const Triangulation& delaunay,
-                       const Poles& poles, double noise = 0, int threads = 1);
+BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, const BlockSearch& search,
+                       const Triangulation& delaunay, const Poles& poles, double noise = 0, int threads = 1);
 
 /// The scale that assumes samples without noise, for points already projected onto a surface.
 BallScale choose_fine_scale(const SampleSpacing& spacing);

@@ -46,16 +46,24 @@ public:
         if (!options.stays.empty())
             unconditional_ = limits_.size();
 
-        vertices_.reserve(mesh.vertices.size());
-        for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-            vertices_.push_back({mesh.vertices[v], scale[v], half_edges.outgoing[v], half_edges.degree[v], merged[v],
-                                 !options.stays.empty() && options.stays[v]});
-        parallel_for(triangles_.size(), options.threads, {},
-                     [&](std::size_t t)
-                     {
-                         const auto& corners = mesh.triangles[t];
-                         triangles_[t] = {{corners[0], corners[1], corners[2], gone}, half_edges.twin[t]};
-                     });
+        constexpr std::size_t grain = 8192;
+        vertices_.resize(mesh.vertices.size());
+        parallel_for(
+            vertices_.size(), options.threads, {},
+            [&](std::size_t v)
+            {
+                vertices_[v] = {mesh.vertices[v], scale[v], half_edges.outgoing[v], half_edges.degree[v], merged[v],
+                                !options.stays.empty() && options.stays[v]};
+            },
+            grain);
+        parallel_for(
+            triangles_.size(), options.threads, {},
+            [&](std::size_t t)
+            {
+                const auto& corners = mesh.triangles[t];
+                triangles_[t] = {{corners[0], corners[1], corners[2], gone}, half_edges.twin[t]};
+            },
+            grain);
         blocks_.resize(std::size_t(block_of(int(vertices_.size()) - 1)) + 1);
         parallel_for(
             blocks_.size(), options.threads, {}, [&](std::size_t b) { enlist_block(int(b)); }, 1);

@@ -42,14 +42,15 @@ int best_fan_corner(const Points& vertices, const std::vector<int>& polygon)
     return best;
 }
 
-void append_fan(const Points& vertices, const std::vector<int>& polygon, TriangleMesh& mesh)
+/// Writes the polygon's triangles, two fewer than its corners, from position `at` on.
+void write_fan(const Points& vertices, const std::vector<int>& polygon, std::size_t at, TriangleMesh& mesh)
 {
     const int n = int(polygon.size()), apex = best_fan_corner(vertices, polygon);
     const auto corner = [&](int k) { return polygon[(apex + k) % n]; };
-    for (int k = 1; k + 1 < n; ++k)
+    for (int k = 1; k + 1 < n; ++k, ++at)
     {
-        mesh.triangles.push_back({corner(0), corner(k), corner(k + 1)});
-        mesh.faux_edges.push_back(std::uint8_t((k > 1 ? 1 : 0) | (k + 2 < n ? 4 : 0)));
+        mesh.triangles[at] = {corner(0), corner(k), corner(k + 1)};
+        mesh.faux_edges[at] = std::uint8_t((k > 1 ? 1 : 0) | (k + 2 < n ? 4 : 0));
     }
 }
 
@@ -152,6 +153,14 @@ CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vecto
         }
     };
     parallel_chunks(mixed.size(), threads, grain, {}, list_chunk);
+    std::size_t polygons = 0, corners = 0;
+    for (const Chunk& chunk : chunks)
+    {
+        polygons += chunk.size.size();
+        corners += chunk.corners.size();
+    }
+    result.first.reserve(polygons + 1);
+    result.corners.reserve(corners);
     for (const Chunk& chunk : chunks)
     {
         for (const int size : chunk.size)
@@ -164,7 +173,10 @@ CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vecto
 TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads)
 {
     const std::size_t count = polygons.first.size() - 1;
-    std::vector<TriangleMesh> chunks(chunk_count(count));
+    TriangleMesh mesh;
+    mesh.vertices = polygons.vertices;
+    mesh.triangles.resize(polygons.corners.size() - 2 * count);
+    mesh.faux_edges.resize(mesh.triangles.size());
     parallel_chunks(count, threads, grain, {},
                     [&](std::size_t begin, std::size_t end)
                     {
@@ -173,16 +185,9 @@ TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads)
                         {
                             polygon.assign(polygons.corners.begin() + polygons.first[p],
                                            polygons.corners.begin() + polygons.first[p + 1]);
-                            append_fan(polygons.vertices, polygon, chunks[begin / grain]);
+                            write_fan(polygons.vertices, polygon, std::size_t(polygons.first[p]) - 2 * p, mesh);
                         }
                     });
-    TriangleMesh mesh;
-    mesh.vertices = polygons.vertices;
-    for (const TriangleMesh& chunk : chunks)
-    {
-        append(mesh.triangles, chunk.triangles);
-        append(mesh.faux_edges, chunk.faux_edges);
-    }
     return mesh;
 }
 

@@ -64,11 +64,11 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
 } // namespace
 
 int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, double share,
-                   std::vector<Side>& labels)
+                   std::vector<Side>& labels, int threads)
 {
     const int n = int(labels.size());
     const std::vector<char> is_visible = mark_vertices(regular, n);
-    DisjointSets components = join_neighbours(regular, labels.size(), [&](int v) { return int(labels[v]); });
+    DisjointSets components = join_neighbours(regular, labels.size(), threads, [&](int v) { return int(labels[v]); });
     std::vector<int> size(std::size_t(n), 0);
     std::vector<char> has_root(std::size_t(n), 0);
     int largest = 0;
@@ -91,15 +91,15 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
 }
 
 void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<double>& margins, double share,
-                   std::vector<int>& doubtful)
+                   std::vector<int>& doubtful, int threads)
 {
     const std::size_t n = labels.size();
     std::vector<char> is_doubtful(n, 0);
     for (const int ball : doubtful)
         is_doubtful[ball] = 1;
     // Of the inside without its doubtful balls.
-    DisjointSets parts =
-        join_neighbours(regular, n, [&](int v) { return labels[v] == Side::inner && !is_doubtful[v] ? 0 : -1; });
+    DisjointSets parts = join_neighbours(regular, n, threads,
+                                         [&](int v) { return labels[v] == Side::inner && !is_doubtful[v] ? 0 : -1; });
     std::vector<int> size(n, 0);
     for (std::size_t i = 0; i < n; ++i)
         ++size[parts.find(int(i))];
@@ -116,7 +116,7 @@ void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels
         return;
 
     // Prim's walk from the largest part through doubtful balls, highest margin first.
-    const CellsAtVertices at = list_cells_at_vertices(regular, int(n));
+    const CellsAtVertices at = list_cells_at_vertices(regular, int(n), threads);
     std::vector<std::vector<int>> members(n);
     for (std::size_t i = 0; i < n; ++i)
         if (const int part = parts.find(int(i)); waits[part] || part == largest)
@@ -164,7 +164,7 @@ void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels
 }
 
 int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,
-                const std::vector<double>& margins, std::vector<Side>& labels)
+                const std::vector<double>& margins, std::vector<Side>& labels, int threads)
 {
     constexpr double highest_margin = 0.6;
     constexpr int rounds = 5;
@@ -175,7 +175,7 @@ int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, 
             candidates.push_back(i);
     std::sort(candidates.begin(), candidates.end(),
               [&](int a, int b) { return margins[a] != margins[b] ? margins[a] < margins[b] : a < b; });
-    const CellsAtVertices at = list_cells_at_vertices(regular, n);
+    const CellsAtVertices at = list_cells_at_vertices(regular, n, threads);
     BallLink link;
     int total = 0;
     for (int round = 0; round < rounds; ++round)

@@ -15,16 +15,25 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
     std::vector<int>& degree = result.degree;
     degree.assign(mesh.vertices.size(), 0);
     result.outgoing.assign(mesh.vertices.size(), -1);
+    // Each thread reads all triangles and keeps what belongs to its vertices.
     const auto for_all = [&](auto&& call)
     {
-        for (int t = 0; t < int(triangles.size()); ++t)
-            for (int k = 0; k < 3; ++k)
-                call(4 * t + k, triangles[t][k], triangles[t][k == 2 ? 0 : k + 1]);
+        parallel_shares(mesh.vertices.size(), threads,
+                        [&](std::size_t begin, std::size_t end)
+                        {
+                            const auto is_own = [&](int v) { return std::size_t(v) - begin < end - begin; };
+                            for (int t = 0; t < int(triangles.size()); ++t)
+                                for (int k = 0; k < 3; ++k)
+                                    call(4 * t + k, triangles[t][k], triangles[t][k == 2 ? 0 : k + 1], is_own);
+                        });
     };
     for_all(
-        [&](int h, int a, int b)
+        [&](int h, int a, int b, const auto& is_own)
         {
-            ++first[std::min(a, b) + 1];
+            if (is_own(std::min(a, b)))
+                ++first[std::min(a, b) + 1];
+            if (!is_own(a))
+                return;
             ++degree[a];
             result.outgoing[a] = h;
         });
@@ -37,7 +46,12 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
     };
     std::vector<Side> at_lower(3 * triangles.size());
     std::vector<int> next(first.begin(), first.end() - 1);
-    for_all([&](int h, int a, int b) { at_lower[next[std::min(a, b)]++] = {h, std::max(a, b), a < b}; });
+    for_all(
+        [&](int h, int a, int b, const auto& is_own)
+        {
+            if (is_own(std::min(a, b)))
+                at_lower[next[std::min(a, b)]++] = {h, std::max(a, b), a < b};
+        });
 
     result.twin.assign(triangles.size(), {-1, -1, -1, -1});
     constexpr std::size_t grain = 8192;

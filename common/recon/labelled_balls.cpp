@@ -5,7 +5,6 @@
 #include <recon/crust_repair.h>
 #include <recon/delaunay.h>
 #include <recon/minimum_cut.h>
-#include <recon/neighbours.h>
 #include <recon/opposite_votes.h>
 #include <recon/parallel.h>
 #include <recon/short_handles.h>
@@ -115,15 +114,6 @@ ShortHandleOptions options_for_handles(bool oriented, int threads)
     return options;
 }
 
-/// The labels with less contradicted weight of those from contraction and from the potential.
-std::vector<Side> label_by_best(const SignedGraph& graph, int threads)
-{
-    std::vector<Side> labels, by_potential;
-    parallel_invoke(
-        threads, [&] { labels = label_by_contraction(graph); }, [&] { by_potential = label_by_potential(graph); });
-    return measure_energy(graph, by_potential) < measure_energy(graph, labels) ? by_potential : labels;
-}
-
 } // namespace
 
 LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
@@ -138,7 +128,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     // Step 1.
     Triangulation delaunay =
         triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation"), threads);
-    const NeighbourSearch search(free_samples);
+    const BlockSearch search(free_samples);
     const SampleSpacing spacing = measure_spacing(free_samples, search, threads);
 
     // Steps 2 and 3.
@@ -148,7 +138,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     find_slant_poles(delaunay, samples, poles, threads);
     const BallScale scale =
         oriented || options.fine ? choose_fine_scale(spacing)
-                                 : choose_scale(spacing, free_samples, delaunay, poles, options.noise, threads);
+                                 : choose_scale(spacing, free_samples, search, delaunay, poles, options.noise, threads);
     PolarBalls kept = keep_polar_balls(delaunay, samples, poles,
                                        [&](double radius, const std::array<int, 4>& touched)
                                        {
@@ -199,7 +189,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
         for (const SignedEdge& vote : votes)
             graph.edges.push_back({vote.a, vote.b, strength * vote.weight});
         if (oriented)
-            improve_labels(graph, labels);
+            improve_labels(graph, labels, threads);
         else
             labels = label_by_best(graph, threads);
         violated = measure_violated_repulsion(votes, labels).share();
@@ -221,13 +211,13 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
         if (is_small[i] && margins[i] < 0.6 && !kept.is_outside[i])
             doubtful.push_back(i);
     }
-    spare_bridges(regular, labels, margins, island_share, doubtful);
+    spare_bridges(regular, labels, margins, island_share, doubtful, threads);
     if (!doubtful.empty())
         diagram.remove(doubtful, regular, threads);
     // The second round sees what the first joined.
-    for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, island_share, labels) > 0; ++round)
+    for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, island_share, labels, threads) > 0; ++round)
         continue;
-    cut_handles(regular, graph.is_root, is_small, margins, labels);
+    cut_handles(regular, graph.is_root, is_small, margins, labels, threads);
     // Removal can bring other balls to the hull; outside is all that is known there.
     for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)
         for (const int v : regular.cells[c].vertices)

@@ -19,7 +19,7 @@ double opposition(const Vector& a, const Vector& b)
 
 } // namespace
 
-std::vector<SignedEdge> list_opposite_votes(const Points& samples, const PolarBalls& kept, const NeighbourSearch& search,
+std::vector<SignedEdge> list_opposite_votes(const Points& samples, const PolarBalls& kept, const BlockSearch& search,
                                             int threads, const Progress& progress)
 {
     const int n = int(samples.size()) - box_corner_count;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/polar_balls.h>
 #include <recon/progress.h>
 #include <recon/signed_labelling.h>
@@ -15,7 +15,7 @@ namespace recon
 /// 128 nearest samples, across a slab of noise that is thicker than the spacing. Needs no normals.
 /// \param samples with the box corners last. \param search over the samples without the corners.
 /// \returns edges between balls with weights <= 0.
-std::vector<SignedEdge> list_opposite_votes(const Points& samples, const PolarBalls& balls, const NeighbourSearch& search,
+std::vector<SignedEdge> list_opposite_votes(const Points& samples, const PolarBalls& balls, const BlockSearch& search,
                                             int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -32,6 +32,10 @@ void parallel_for(std::size_t n, int threads, const Progress& progress, Body&& b
                     });
 }
 
+/// Calls body(begin, end) for one share of [0, n) per thread (eight at most): for work in which each thread goes through all input and
+/// keeps what belongs to its share. The result must not depend on how the shares are cut.
+void parallel_shares(std::size_t n, int threads, const std::function<void(std::size_t begin, std::size_t end)>& body);
+
 /// Runs `first` on the caller's thread and, with more than one thread, `second` beside it; otherwise one after the other.
 /// \throws what `first` throws, else what `second` throws, after both have ended.
 void parallel_invoke(int threads, const std::function<void()>& first, const std::function<void()>& second);

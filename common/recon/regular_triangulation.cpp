@@ -13,8 +13,8 @@ namespace recon
 namespace
 {
 
-/// Points on a surface have some seven cells each.
-constexpr int expected_cells = 8;
+/// Points on a surface have some seven cells each, polar balls eight.
+constexpr int expected_cells = 9;
 /// Fewer sites are not worth threads.
 constexpr std::size_t parallel_above = 2048;
 constexpr std::size_t report_every = 4096;
@@ -167,21 +167,19 @@ void RegularTriangulation::insert_side_by_side(const std::vector<int>& sites, in
 {
     const std::size_t count = std::min({std::size_t(threads), sites.size() / (parallel_above / 4), std::size_t(255)});
     const auto share = [&](std::size_t k) { return k * sites.size() / count; };
-    const std::size_t cells = expected_cells * (sites.size() / count + 1);
-    if (std::size_t(serial_.unused_end - serial_.unused_begin) < cells * count)
-        grow(std::size_t(serial_.unused_begin) + cells * count);
+    const std::size_t cells = expected_cells * sites.size();
+    if (std::size_t(serial_.unused_end - serial_.unused_begin) < cells)
+        grow(std::size_t(serial_.unused_begin) + cells);
     if (!owners_)
         owners_.reset(new std::atomic<std::uint8_t>[marks_.size()]());
     const int hint = find_any_cell();
     std::vector<Worker> workers(count);
-    int next_cell = serial_.unused_begin;
+    next_slab_ = serial_.unused_begin;
     for (std::size_t k = 0; k < count; ++k)
     {
         Worker& w = workers[k];
         w.owner = std::uint8_t(k + 1);
         w.hint = hint;
-        w.unused_begin = next_cell;
-        w.unused_end = next_cell += int(cells);
         w.random = std::uint32_t(k + 1);
     }
     const auto caller = std::this_thread::get_id();
@@ -213,9 +211,8 @@ void RegularTriangulation::insert_side_by_side(const std::vector<int>& sites, in
             serial_.free.push_back(c);
         }
     }
-    used_ = next_cell;
-    serial_.unused_begin = next_cell;
     serial_.unused_end = int(marks_.size());
+    used_ = serial_.unused_begin = std::min(int(next_slab_), serial_.unused_end);
     serial_.hint = find_any_cell();
     insert_one_by_one(put_off, progress.part(1, 1));
 }

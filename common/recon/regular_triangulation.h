@@ -56,7 +56,7 @@ private:
         int hint = none;                      ///< A cell, possibly dead.
         std::vector<int> owned;               ///< Cells.
         std::vector<int> free;                ///< Dead cells.
-        int unused_begin = 0, unused_end = 0; ///< Cells never used so far.
+        int unused_begin = 0, unused_end = 0; ///< Cells never used so far that are the worker's to use.
         std::uint32_t random = 1;
         std::vector<int> conflicts, others; ///< Cells that a site takes out, and those tested that stay.
         std::vector<std::array<int, 2>>
@@ -93,6 +93,7 @@ private:
     bool own_for_test(int cell, Worker& worker);
     bool find_conflicts(int site, int first, Worker& worker);
     bool find_fresh_cells(Worker& worker);
+    bool take_slab(Worker& worker);
     void fill_hole(int site, Worker& worker);
     void join_along_edges(Worker& worker);
 
@@ -111,6 +112,7 @@ private:
     std::vector<int> marks_; ///< Per cell: 1 + its position among the conflicts, -1 if tested and not one, else 0.
     std::unique_ptr<std::atomic<std::uint8_t>[]> owners_; ///< Per cell.
     int used_ = 0;                                        ///< Cells handed out so far, dead ones among them.
+    std::atomic<int> next_slab_{0};                       ///< First cell that belongs to no worker yet, while there are several.
     Worker serial_;                                       ///< For when there is one thread.
 };
 

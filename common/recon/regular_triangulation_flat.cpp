@@ -55,15 +55,26 @@ Triangulation RegularTriangulation::flatten(const Points& points, const std::vec
         },
         grain);
     std::vector<int> first(2 * n + 1, 0);
-    for (const int b : bucket)
-        if (b != none)
-            ++first[b + 1];
+    parallel_for(
+        bucket.size(), threads, {},
+        [&](std::size_t i)
+        {
+            if (bucket[i] != none)
+                __atomic_fetch_add(&first[bucket[i] + 1], 1, __ATOMIC_RELAXED);
+        },
+        grain);
     std::partial_sum(first.begin(), first.end(), first.begin());
     std::vector<int> order(first.back()), position(used_);
     std::vector<int> next(first.begin(), first.end() - 1);
-    for (std::size_t i = 0; i < bucket.size(); ++i)
-        if (bucket[i] != none)
-            order[next[bucket[i]]++] = int(i);
+    // In any order: each bucket is sorted below.
+    parallel_for(
+        bucket.size(), threads, {},
+        [&](std::size_t i)
+        {
+            if (bucket[i] != none)
+                order[__atomic_fetch_add(&next[bucket[i]], 1, __ATOMIC_RELAXED)] = int(i);
+        },
+        grain);
 
     bucket = {};
     next = {};

@@ -152,7 +152,7 @@ bool RegularTriangulation::find_fresh_cells(Worker& worker)
         else
             ++tried;
     }
-    while (worker.fresh.size() < worker.hull.size() && worker.unused_begin < worker.unused_end)
+    while (worker.fresh.size() < worker.hull.size() && (worker.unused_begin < worker.unused_end || take_slab(worker)))
     {
         worker.fresh.push_back(worker.unused_begin++);
         own(worker.fresh.back(), worker);
@@ -163,6 +163,18 @@ bool RegularTriangulation::find_fresh_cells(Worker& worker)
     for (const int c : worker.fresh)
         cells_[c].vertices[0] = dead;
     return false;
+}
+
+/// Makes unused cells the worker's, if there are any left.
+bool RegularTriangulation::take_slab(Worker& worker)
+{
+    constexpr int slab = 1024;
+    const int end = int(marks_.size());
+    if (&worker == &serial_ || next_slab_.load(std::memory_order_relaxed) >= end)
+        return false;
+    worker.unused_begin = next_slab_.fetch_add(slab, std::memory_order_relaxed);
+    worker.unused_end = std::min(worker.unused_begin + slab, end);
+    return worker.unused_begin < end;
 }
 
 /// Replaces the conflicts by cells from the site to their hull.

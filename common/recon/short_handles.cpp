@@ -47,7 +47,7 @@ std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVe
         return candidates;
     for (const int i : candidates)
         labels[i] = opposite(side);
-    DisjointSets components = join_neighbours(regular, labels.size(), [&](int v) { return labels[v] == side ? 0 : -1; });
+    DisjointSets components = join_neighbours(regular, labels.size(), 1, [&](int v) { return labels[v] == side ? 0 : -1; });
 
     std::priority_queue<std::pair<double, int>> queue; // highest margin, then lowest index
     std::vector<char> is_queued(std::size_t(n), 0);
@@ -381,7 +381,7 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
 {
     if (measure_interface_euler(regular, labels, options.threads) >= 2)
         return 0; // a sphere has none
-    const CellsAtVertices at = list_cells_at_vertices(regular, int(labels.size()));
+    const CellsAtVertices at = list_cells_at_vertices(regular, int(labels.size()), options.threads);
     std::vector<char> is_doubtful(labels.size());
     for (std::size_t i = 0; i < labels.size(); ++i)
         is_doubtful[i] = margins[i] < options.highest_margin && !graph.is_root[i];

@@ -1,5 +1,7 @@
 #include <recon/signed_labelling.h>
 
+#include <recon/parallel.h>
+
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
 
@@ -141,21 +143,29 @@ struct Rows
     std::vector<int> first;
     std::vector<Entry> entries;
 
-    explicit Rows(const SignedGraph& graph) : first(std::size_t(graph.nodes) + 1, 0), entries(2 * graph.edges.size())
+    Rows(const SignedGraph& graph, int threads) : first(std::size_t(graph.nodes) + 1, 0), entries(2 * graph.edges.size())
     {
-        for (const SignedEdge& e : graph.edges)
+        // Each thread reads all edges and keeps what belongs to its nodes.
+        const auto for_all = [&](auto&& call)
         {
-            ++first[e.a + 1];
-            ++first[e.b + 1];
-        }
+            parallel_shares(std::size_t(graph.nodes), threads,
+                            [&](std::size_t begin, std::size_t end)
+                            {
+                                const auto is_own = [&](int node) { return std::size_t(node) - begin < end - begin; };
+                                for (const SignedEdge& e : graph.edges)
+                                {
+                                    if (is_own(e.a))
+                                        call(e.a, e.b, e.weight);
+                                    if (is_own(e.b))
+                                        call(e.b, e.a, e.weight);
+                                }
+                            });
+        };
+        for_all([&](int from, int, double) { ++first[from + 1]; });
         for (int i = 0; i < graph.nodes; ++i)
             first[i + 1] += first[i];
         std::vector<int> next(first.begin(), first.end() - 1);
-        for (const SignedEdge& e : graph.edges)
-        {
-            entries[next[e.a]++] = {e.b, e.weight};
-            entries[next[e.b]++] = {e.a, e.weight};
-        }
+        for_all([&](int from, int to, double weight) { entries[next[from]++] = {to, weight}; });
     }
     /// Weight that agrees with the node's label minus weight that does not.
     double agreement(int node, const std::vector<Side>& labels) const
@@ -221,9 +231,37 @@ struct Candidate
     }
 };
 
-} // namespace
+/// Changes sides of single nodes (never the root) while that lowers the violated weight.
+void improve(const Rows& rows, const std::vector<char>& is_root, std::vector<Side>& labels)
+{
+    // Merged pairs are held together by their edges' weight alone here; it is large.
+    const int n = int(labels.size());
+    std::queue<int> waiting;
+    std::vector<char> is_waiting(labels.size(), 1);
+    for (int i = 0; i < n; ++i)
+        waiting.push(i);
+    // Each flip lowers the energy, so this ends; rounding could make two flips undo each other for ever.
+    for (long long budget = 20ll * n; !waiting.empty() && budget > 0; --budget)
+    {
+        const int i = waiting.front();
+        waiting.pop();
+        is_waiting[i] = 0;
+        if (is_root[i] || !(rows.agreement(i, labels) < -1e-9))
+            continue;
+        labels[i] = opposite(labels[i]);
+        for (int k = rows.first[i]; k < rows.first[i + 1]; ++k)
+        {
+            const int other = rows.entries[k].node;
+            if (!is_waiting[other])
+            {
+                is_waiting[other] = 1;
+                waiting.push(other);
+            }
+        }
+    }
+}
 
-std::vector<Side> label_by_contraction(const SignedGraph& graph)
+std::vector<Side> contract(const SignedGraph& graph)
 {
     const int n = graph.nodes;
     int root = -1;
@@ -297,11 +335,10 @@ std::vector<Side> label_by_contraction(const SignedGraph& graph)
         if (forest.find(i, parity) == root_cluster)
             labels[i] = parity ? Side::inner : Side::outer;
     }
-    improve_labels(graph, labels);
     return labels;
 }
 
-std::vector<Side> label_by_potential(const SignedGraph& graph)
+std::vector<Side> threshold_potential(const SignedGraph& graph)
 {
     const int n = graph.nodes;
     int root = -1;
@@ -346,37 +383,50 @@ std::vector<Side> label_by_potential(const SignedGraph& graph)
         if (cluster != root_cluster && !(potential[unknown[cluster]] > 0))
             labels[i] = Side::inner;
     }
+    return labels;
+}
+
+} // namespace
+
+std::vector<Side> label_by_contraction(const SignedGraph& graph)
+{
+    std::vector<Side> labels = contract(graph);
     improve_labels(graph, labels);
     return labels;
 }
 
-void improve_labels(const SignedGraph& graph, std::vector<Side>& labels)
+std::vector<Side> label_by_potential(const SignedGraph& graph)
 {
-    // Merged pairs are held together by their edges' weight alone here; it is large.
-    const Rows rows(graph);
-    std::queue<int> waiting;
-    std::vector<char> is_waiting(std::size_t(graph.nodes), 1);
-    for (int i = 0; i < graph.nodes; ++i)
-        waiting.push(i);
-    // Each flip lowers the energy, so this ends; rounding could make two flips undo each other for ever.
-    for (long long budget = 20ll * graph.nodes; !waiting.empty() && budget > 0; --budget)
-    {
-        const int i = waiting.front();
-        waiting.pop();
-        is_waiting[i] = 0;
-        if (graph.is_root[i] || !(rows.agreement(i, labels) < -1e-9))
-            continue;
-        labels[i] = opposite(labels[i]);
-        for (int k = rows.first[i]; k < rows.first[i + 1]; ++k)
+    std::vector<Side> labels = threshold_potential(graph);
+    improve_labels(graph, labels);
+    return labels;
+}
+
+std::vector<Side> label_by_best(const SignedGraph& graph, int threads)
+{
+    const Rows rows(graph, threads);
+    std::vector<Side> labels, others;
+    double energy = 0, energy_of_others = 0;
+    parallel_invoke(
+        threads,
+        [&]
         {
-            const int other = rows.entries[k].node;
-            if (!is_waiting[other])
-            {
-                is_waiting[other] = 1;
-                waiting.push(other);
-            }
-        }
-    }
+            labels = contract(graph);
+            improve(rows, graph.is_root, labels);
+            energy = measure_energy(graph, labels);
+        },
+        [&]
+        {
+            others = threshold_potential(graph);
+            improve(rows, graph.is_root, others);
+            energy_of_others = measure_energy(graph, others);
+        });
+    return energy_of_others < energy ? others : labels;
+}
+
+void improve_labels(const SignedGraph& graph, std::vector<Side>& labels, int threads)
+{
+    improve(Rows(graph, threads), graph.is_root, labels);
 }
 
 std::vector<double> measure_margins(const SignedGraph& graph, const std::vector<Side>& labels)

@@ -39,8 +39,12 @@ std::vector<Side> label_by_contraction(const SignedGraph& graph);
 /// first: a large hole is a few heavy attractions against thousands of light votes. Then single nodes change sides.
 std::vector<Side> label_by_potential(const SignedGraph& graph);
 
+/// The labels with less contradicted weight of those from contraction and from the potential. `threads` >= 1 here and below; the
+/// result does not depend on it.
+std::vector<Side> label_by_best(const SignedGraph& graph, int threads = 1);
+
 /// Changes sides of single nodes (never the root) while that lowers the violated weight.
-void improve_labels(const SignedGraph& graph, std::vector<Side>& labels);
+void improve_labels(const SignedGraph& graph, std::vector<Side>& labels, int threads = 1);
 
 /// Per node (weight that agrees - weight that disagrees) / sum of |weight| over its edges; 1 for a node without edges.
 std::vector<double> measure_margins(const SignedGraph& graph, const std::vector<Side>& labels);

@@ -1,5 +1,7 @@
 #include <recon/triangulation.h>
 
+#include <recon/parallel.h>
+
 namespace recon
 {
 namespace
@@ -52,22 +54,29 @@ std::vector<char> mark_vertices(const Triangulation& triangulation, int point_co
     return is_vertex;
 }
 
-CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count)
+CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count, int threads)
 {
+    // Each thread reads all cells and keeps what belongs to its vertices.
+    const auto for_all = [&](auto&& call)
+    {
+        parallel_shares(std::size_t(vertex_count), threads,
+                        [&](std::size_t begin, std::size_t end)
+                        {
+                            // The infinite vertex, being negative, is nobody's.
+                            for (std::size_t c = 0; c < triangulation.cells.size(); ++c)
+                                for (const int v : triangulation.cells[c].vertices)
+                                    if (std::size_t(v) - begin < end - begin)
+                                        call(v, int(c));
+                        });
+    };
     CellsAtVertices result;
     result.first.assign(std::size_t(vertex_count) + 1, 0);
-    for (const auto& cell : triangulation.cells)
-        for (const int v : cell.vertices)
-            if (v != Triangulation::infinite)
-                ++result.first[v + 1];
+    for_all([&](int v, int) { ++result.first[v + 1]; });
     for (int v = 0; v < vertex_count; ++v)
         result.first[v + 1] += result.first[v];
     result.cell.resize(result.first.back());
     std::vector<int> next(result.first.begin(), result.first.end() - 1);
-    for (int c = 0; c < int(triangulation.cells.size()); ++c)
-        for (const int v : triangulation.cells[c].vertices)
-            if (v != Triangulation::infinite)
-                result.cell[next[v]++] = c;
+    for_all([&](int v, int c) { result.cell[next[v]++] = c; });
     return result;
 }
 

@@ -70,6 +70,6 @@ struct CellsAtVertices
     std::vector<int> first;
     std::vector<int> cell;
 };
-CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count);
+CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int vertex_count, int threads = 1);
 
 } // namespace recon

@@ -19,44 +19,60 @@ void for_each_side(const CrustPolygons& polygons, std::size_t p, Function&& call
         call(polygons.corners[k], polygons.corners[k + 1 < end ? k + 1 : begin]);
 }
 
+constexpr std::size_t grain = 8192;
+
+/// Calls call(polygon) for all of them.
+template <class Function>
+void for_each_polygon(const CrustPolygons& polygons, int threads, Function&& call)
+{
+    parallel_for(polygons.first.size() - 1, threads, {}, call, grain);
+}
+
+void add(int& sum, int value)
+{
+    __atomic_fetch_add(&sum, value, __ATOMIC_RELAXED);
+}
+
 /// Per vertex the lowest vertex of its cluster.
-std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<double>& scale)
+std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<double>& scale, int threads)
 {
     DisjointSets sets(polygons.vertices.size());
-    for (std::size_t p = 0; p + 1 < polygons.first.size(); ++p)
-        for_each_side(polygons, p,
-                      [&](int a, int b)
-                      {
-                          const double reach = cluster_length * std::min(scale[a], scale[b]);
-                          if (a < b && (polygons.vertices[a] - polygons.vertices[b]).squaredNorm() <= reach * reach)
-                              sets.join(a, b);
-                      });
+    for_each_polygon(polygons, threads,
+                     [&](std::size_t p)
+                     {
+                         for_each_side(polygons, p,
+                                       [&](int a, int b)
+                                       {
+                                           const double reach = cluster_length * std::min(scale[a], scale[b]);
+                                           if (a < b && (polygons.vertices[a] - polygons.vertices[b]).squaredNorm() <= reach * reach)
+                                               sets.join(a, b);
+                                       });
+                     });
     std::vector<int> cluster(polygons.vertices.size());
-    for (int i = 0; i < int(cluster.size()); ++i)
-        cluster[i] = sets.find(i);
+    parallel_for(cluster.size(), threads, {}, [&](std::size_t i) { cluster[i] = sets.find(int(i)); }, grain);
     return cluster;
 }
 
 /// Per cluster (at its lowest vertex) vertices - edges + faces.
-std::vector<int> count_euler_characteristics(const CrustPolygons& polygons, const std::vector<int>& cluster)
+std::vector<int> count_euler_characteristics(const CrustPolygons& polygons, const std::vector<int>& cluster, int threads)
 {
     std::vector<int> twice(cluster.size(), 0);
-    for (const int c : cluster)
-        twice[c] += 2;
-    for (std::size_t p = 0; p + 1 < polygons.first.size(); ++p)
-    {
-        const int own = cluster[polygons.corners[polygons.first[p]]];
-        bool inside = true;
-        for_each_side(polygons, p,
-                      [&](int a, int b)
-                      {
-                          inside = inside && cluster[a] == own;
-                          if (cluster[a] == cluster[b])
-                              --twice[cluster[a]];
-                      });
-        if (inside)
-            twice[own] += 2;
-    }
+    parallel_for(cluster.size(), threads, {}, [&](std::size_t i) { add(twice[cluster[i]], 2); }, grain);
+    for_each_polygon(polygons, threads,
+                     [&](std::size_t p)
+                     {
+                         const int own = cluster[polygons.corners[polygons.first[p]]];
+                         bool inside = true;
+                         for_each_side(polygons, p,
+                                       [&](int a, int b)
+                                       {
+                                           inside = inside && cluster[a] == own;
+                                           if (cluster[a] == cluster[b])
+                                               add(twice[cluster[a]], -1);
+                                       });
+                         if (inside)
+                             add(twice[own], 2);
+                     });
     for (int& value : twice)
         value /= 2;
     return twice;
@@ -65,66 +81,96 @@ std::vector<int> count_euler_characteristics(const CrustPolygons& polygons, cons
 /// Makes singles of the vertices whose cluster is bad.
 void dissolve(const std::vector<char>& is_bad, std::vector<int>& cluster)
 {
+    if (std::find(is_bad.begin(), is_bad.end(), 1) == is_bad.end())
+        return;
     for (int i = int(cluster.size()) - 1; i >= 0; --i) // a cluster's lowest vertex last
         if (is_bad[cluster[i]])
             cluster[i] = i;
 }
 
-/// The polygons with one vertex per cluster, less those with fewer than three. Vertices keep their numbers.
-CrustPolygons contract(const CrustPolygons& polygons, const std::vector<int>& cluster)
+/// What is left of the corners of each polygon by list(polygon, corners), which appends them; polygons with fewer than three are
+/// dropped. Without vertices.
+template <class List>
+CrustPolygons relist(const CrustPolygons& polygons, int threads, List&& list)
 {
-    CrustPolygons result;
-    result.corners.reserve(polygons.corners.size());
-    std::vector<int> degree(cluster.size(), 0);
-    const auto close_polygon = [](CrustPolygons& list)
+    const std::size_t count = polygons.first.size() - 1;
+    struct Chunk
     {
-        if (int(list.corners.size()) - list.first.back() < 3)
-            list.corners.resize(std::size_t(list.first.back()));
-        else
-            list.first.push_back(int(list.corners.size()));
+        std::vector<int> corners, end;
     };
-    for (std::size_t p = 0; p + 1 < polygons.first.size(); ++p)
+    std::vector<Chunk> chunks((count + grain - 1) / grain);
+    parallel_chunks(count, threads, grain, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        Chunk& chunk = chunks[begin / grain];
+                        chunk.corners.reserve(std::size_t(polygons.first[end] - polygons.first[begin]));
+                        for (std::size_t p = begin; p < end; ++p)
+                        {
+                            const std::size_t start = chunk.corners.size();
+                            list(p, chunk.corners);
+                            if (chunk.corners.size() < start + 3)
+                                chunk.corners.resize(start);
+                            else
+                                chunk.end.push_back(int(chunk.corners.size()));
+                        }
+                    });
+    CrustPolygons result;
+    result.first.reserve(count + 1);
+    result.corners.reserve(polygons.corners.size());
+    for (const Chunk& chunk : chunks)
     {
-        for_each_side(polygons, p,
-                      [&](int a, int b)
-                      {
-                          if (cluster[a] != cluster[b])
-                              result.corners.push_back(cluster[a]);
-                      });
-        close_polygon(result);
+        const int before = int(result.corners.size());
+        for (const int end : chunk.end)
+            result.first.push_back(before + end);
+        result.corners.insert(result.corners.end(), chunk.corners.begin(), chunk.corners.end());
     }
+    return result;
+}
+
+/// The polygons with one vertex per cluster, less those with fewer than three. Vertices keep their numbers.
+CrustPolygons contract(const CrustPolygons& polygons, const std::vector<int>& cluster, int threads)
+{
+    std::vector<int> degree(cluster.size(), 0);
+    CrustPolygons result = relist(polygons, threads,
+                                  [&](std::size_t p, std::vector<int>& corners)
+                                  {
+                                      for_each_side(polygons, p,
+                                                    [&](int a, int b)
+                                                    {
+                                                        if (cluster[a] != cluster[b])
+                                                            corners.push_back(cluster[a]);
+                                                    });
+                                  });
     for (const int v : result.corners)
         ++degree[v];
     if (std::find(degree.begin(), degree.end(), 2) == degree.end())
         return result;
     // A vertex with two polygons lies on an edge between them and would make two triangles of the same corners.
-    CrustPolygons straight;
-    straight.corners.reserve(result.corners.size());
-    for (std::size_t p = 0; p + 1 < result.first.size(); ++p)
-    {
-        for (int k = result.first[p]; k < result.first[p + 1]; ++k)
-            if (degree[result.corners[k]] != 2)
-                straight.corners.push_back(result.corners[k]);
-        close_polygon(straight);
-    }
-    return straight;
+    return relist(result, threads,
+                  [&](std::size_t p, std::vector<int>& corners)
+                  {
+                      for (int k = result.first[p]; k < result.first[p + 1]; ++k)
+                          if (degree[result.corners[k]] != 2)
+                              corners.push_back(result.corners[k]);
+                  });
 }
 
 } // namespace
 
 WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<double>& scale, int threads)
 {
-    std::vector<int> cluster = find_clusters(polygons, scale);
-    const std::vector<int> characteristic = count_euler_characteristics(polygons, cluster);
+    std::vector<int> cluster = find_clusters(polygons, scale, threads);
+    const std::vector<int> characteristic = count_euler_characteristics(polygons, cluster, threads);
     std::vector<char> is_bad(cluster.size());
-    for (std::size_t i = 0; i < cluster.size(); ++i)
-        is_bad[i] = cluster[i] == int(i) && characteristic[i] != 1;
+    parallel_for(
+        cluster.size(), threads, {},
+        [&](std::size_t i) { is_bad[i] = cluster[i] == int(i) && characteristic[i] != 1; }, grain);
     dissolve(is_bad, cluster);
     constexpr int rounds = 4;
     WeldedCrust result;
     for (int round = 1;; ++round)
     {
-        CrustPolygons contracted = contract(polygons, cluster);
+        CrustPolygons contracted = contract(polygons, cluster, threads);
         contracted.vertices = polygons.vertices;
         result.mesh = triangulate_polygons(contracted, threads);
         result.half_edges = pair_half_edges(result.mesh, threads);

@@ -60,8 +60,9 @@ TEST(ChooseScale, IsFineAtAThinPlateAndCoarseInNoise)
         const Points free_samples = samples;
         append_box_corners(samples);
         const Triangulation delaunay = triangulate_delaunay(samples);
-        const SampleSpacing spacing = measure_spacing(free_samples, NeighbourSearch(free_samples), 1);
-        const BallScale scale = choose_scale(spacing, free_samples, delaunay, find_poles(delaunay, samples));
+        const BlockSearch search(free_samples);
+        const SampleSpacing spacing = measure_spacing(free_samples, search, 1);
+        const BallScale scale = choose_scale(spacing, free_samples, search, delaunay, find_poles(delaunay, samples));
         int fine = 0;
         for (std::size_t i = 0; i < free_samples.size(); ++i)
             fine += scale.scale[i] == spacing.fine[std::size_t(spacing.nearest[i])];

@@ -377,7 +377,7 @@ TEST(OppositeVotes, CrossASlabOfNoise)
     // Noise far above the spacing: no sample keeps both balls, yet votes go across.
     Points samples = shapes::with_noise(shapes::sphere(6000, 0.4, 1).points, 0.02, 2);
     const Points free_samples = samples;
-    const NeighbourSearch search(free_samples);
+    const BlockSearch search(free_samples);
     append_box_corners(samples);
     const Triangulation delaunay = triangulate_delaunay(samples);
     const PolarBalls kept =
