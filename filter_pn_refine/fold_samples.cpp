@@ -26,6 +26,7 @@ constexpr double room = 0.55;                 ///< To the next sample of the sam
 constexpr double surrounded = 170 * pi / 180; ///< Samples around leave no wider gap [radians].
 constexpr double clear = 1.5;                 ///< A fold has nothing of its side before it so far [spacings],
 constexpr double clear_cone = 0.75;           ///< within the angle of this cosine.
+constexpr double jutting = 0.25;              ///< No point lies farther out than all samples around [spacings].
 constexpr int around = 24;                    ///< Samples looked at.
 constexpr int fitted = 14;                    ///< Samples that the surface interpolates.
 
@@ -41,7 +42,8 @@ struct FoldSample
 /// What lies around a point of a walk.
 struct Surroundings
 {
-    double room = 1e300; ///< As in FoldSample, but a length.
+    double room = 1e300;  ///< As in FoldSample, but a length.
+    double above = 1e300; ///< Height above the nearest samples, all of which lie below; else negative.
     std::array<int, 3> parents;
     bool is_among_samples = false; ///< The walk is over.
 };
@@ -66,8 +68,10 @@ public:
             if (!step(p, along, normal))
                 break;
             const Surroundings s = look_around(p, normal, along);
+            // Where the samples end the smooth surface goes on to a tip far too long.
+            const double excess = std::max(s.above - jutting * spacing_, 0.0);
             if (s.room >= room * spacing_)
-                passed.push_back({p, normal, s.room / spacing_, spacing_, s.parents});
+                passed.push_back({p - excess * normal, normal, s.room / spacing_, spacing_, s.parents});
             if (s.is_among_samples)
                 return passed;
             if (s.room < room * spacing_)
@@ -118,6 +122,7 @@ private:
             const auto j = std::size_t(found[m]);
             const Vector d = samples.points[j] - p;
             const double agreement = samples.normals[j].dot(normal);
+            s.above = std::min(s.above, -d.dot(normal));
             if (agreement > same_side)
             {
                 s.room = std::min(s.room, d.norm());

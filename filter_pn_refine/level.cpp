@@ -94,7 +94,11 @@ void make_children(const Level& level, const Growth& growth, const UnitFrame& fr
     const int first = growth.first[leaf], n = children.count();
     kernels().finish_children(level.points.data(), children.corners().data(), n, made, appended.parents + first);
     for (int k = 0; k < n; ++k)
+    {
         made[k].flags = WorkPoint::refined;
+        if (growth.correct)
+            growth.correct(children.corners()[std::size_t(k)], made[k]);
+    }
     for (const auto& [own, number] : children.made())
         made[own] = growth.made[std::size_t(number)];
     const float* radius = children.rows().radius;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -123,6 +124,9 @@ struct Growth
     const std::vector<float>& next_radius; ///< Per point of the level.
     int first_id;                          ///< Of the first child.
     double target_radius;                  ///< Points with a radius at most this are no longer refined.
+    /// Called for each point made from the points of the level at these places, to move it to a better one; may be
+    /// empty.
+    std::function<void(const std::array<int, 3>& corners, WorkPoint& made)> correct;
 };
 
 /// Where the children of a step go, in the order of their ids: positions and radii in the frame's input units.

@@ -6,6 +6,7 @@
 #include "initial_fans.h"
 #include "normal_repair.h"
 #include "refine_leaf.h"
+#include "sample_surface.h"
 #include "segments.h"
 #include "spacing.h"
 #include "usable_samples.h"
@@ -17,6 +18,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 
 namespace recon
 {
@@ -117,7 +119,7 @@ public:
     {
         PhaseTimes times;
         times.begin("prepare");
-        UsableSamples usable;
+        UsableSamples& usable = usable_.emplace();
         choose_usable_samples(input, frame_, options_.crease_angle * radians, threads_,
                               progress.part(0, 0.03, "choosing points"), usable);
         warn_of_left_out(usable, result_);
@@ -146,7 +148,6 @@ public:
             spacing = find_spacing(usable.samples, usable.nearest, threads_);
         }
         usable.nearest = {};
-        usable.search.reset();
         find_segments(usable, fans);
         start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
@@ -360,7 +361,10 @@ private:
         result_.normals.resize(old + std::size_t(made));
         result_.parents.resize(old + std::size_t(made));
         result_.radii.resize(old + std::size_t(made));
-        const Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale()};
+        Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale(), {}};
+        if (!options_.fast && usable_)
+            growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
+            { move_onto_sample_surface(*usable_, level_.points, corners, made); };
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};
         const Progress growing = progress.part(0.9, 1, progress_name);
@@ -371,6 +375,7 @@ private:
         }
         else
             level_ = grow_level(level_, growth, frame_, appended, threads_, growing);
+        usable_.reset(); // what follows lies between points that are dense enough
         times.end();
         return made > 0;
     }
@@ -430,6 +435,7 @@ private:
     const int threads_;
     const int input_count_;
     const PnRefineHints& hints_;
+    std::optional<UsableSamples> usable_; ///< Until the first step is done.
     Level level_;
     std::vector<Segment> segments_;
     float spacing_ratio_ = 1; ///< By which points have come nearer to each other since the start.

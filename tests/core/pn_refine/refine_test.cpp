@@ -93,6 +93,29 @@ TEST(RefinePoints, SphereBecomesDenseExactAndEven)
     EXPECT_LT(std::sqrt(sum / double(refined.points.size())) * 180 / M_PI, 0.01);
 }
 
+TEST(RefinePoints, SamplesAroundTellMoreThanThreeCorners)
+{
+    double error[2] = {0, 0};
+    for (std::uint64_t seed = 2; seed <= 4; ++seed)
+    {
+        const Vector half_axes(1, 0.5, 0.3);
+        const OrientedSamples samples = shapes::ellipsoid(1000, half_axes, seed);
+        for (const bool fast : {false, true})
+        {
+            PnRefineOptions options = one_thread(2);
+            options.fast = fast;
+            error[fast] += rms(refine_points(samples, options).points,
+                               [&](const Point& p)
+                               {
+                                   const Vector scaled = p.cwiseQuotient(half_axes);
+                                   return (scaled.norm() - 1) * scaled.norm() / scaled.cwiseQuotient(half_axes).norm();
+                               });
+        }
+    }
+    EXPECT_LT(error[0], 0.6 * error[1]);
+    EXPECT_LT(error[0] / 3, 2e-4);
+}
+
 TEST(RefinePoints, EmptyPlacesDoNotOutliveTheSteps)
 {
     // Where angles alone decided, a hole between few points was left to itself: 2.7 spacings on one of these spheres.
