@@ -16,7 +16,7 @@ namespace recon
 namespace
 {
 
-constexpr double first_cosine = 0.3; // of directions that count before the fit knows how the surface bends
+constexpr double least_cosine = 0.25; // of the directions of samples that count with the normal to begin with
 /// Rounds of fitting. Where few good points decide, weights need rounds to find them; else more only add variance.
 constexpr int few_rounds = 2, many_rounds = 4, narrow_rounds = 2;
 constexpr double picky = 1.8;        // sigmas: a robust scale below it lets few points decide
@@ -80,10 +80,8 @@ public:
         Anchor anchor{start.foot, start.normal, {}, 0, width};
         Point position = start.foot - origin_;
         Vector direction = start.normal;
-        around_.gather_within(around_run_, position, fit_cut * width);
+        around_.gather_facing(around_run_, position, fit_cut * width, direction, least_cosine);
         QuadricWeights how{width, fit_cut};
-        how.directed = true;
-        how.least_cosine = first_cosine;
         how.robust_scale = robust_scale_ * start.sigma;
         const int rounds = robust_scale_ < picky ? many_rounds : few_rounds;
         QuadricFit fit = fit_quadric(around_, position, TangentFrame(direction), how);
@@ -93,7 +91,6 @@ public:
             anchor.confidence = std::min(fit.effective, 1.0);
             return anchor;
         }
-        how.least_cosine = 0;
         for (int round = 1;; ++round)
         {
             const TangentFrame frame(direction);

@@ -16,7 +16,7 @@ namespace recon
 namespace
 {
 
-using simd::Lanes;
+using Lanes = simd::FloatLanes;
 
 constexpr double narrowing = 0.85;                        // of the widths: quadrics need less averaging than planes
 constexpr double least_weight = 1e-6;                     // below it no anchor is near
@@ -25,11 +25,12 @@ constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
 constexpr double slack = 0.35;         // widths: how far a point may move before its anchors are gathered again
 constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
+constexpr double least_step = 1e-5;                           // widths: floats resolve 1e-7
 constexpr double uneven = 1.25;                               // root of the ratio of neighbouring widths
 constexpr double run_radius = 0.65;                           // widths
 constexpr int longest_run = 64;
 
-/// Anchors near a run of points, side by side for the vector units.
+/// Anchors near a ball of points, side by side for the vector units.
 class GatheredAnchors
 {
 public:
@@ -52,39 +53,52 @@ public:
         field_count
     };
 
-    void gather(const std::vector<Anchor>& anchors, const std::vector<int>& indices, const Point& origin)
+    /// Those that count at points of up to `width` within `radius` of `centre`, and somewhat farther.
+    void gather(const AmlsSurface::Data& data, const Point& centre, double radius, double width, double cut_off)
     {
-        size_ = int(indices.size());
-        stride_ = std::size_t(simd::padded(size_));
-        values_.resize(stride_ * field_count);
-        for (std::size_t i = 0; i < stride_; ++i)
+        centre_ = centre;
+        width_ = width * (1 + 1e-12);
+        radius_ = radius + slack * width;
+        const double reach = narrowing * cut_off;
+        data.anchor_search.within(centre, radius_ + reach * uneven * width, found_);
+        const auto is_beyond = [&](int i)
         {
-            double* value = &values_[i];
-            if (int(i) >= size_)
-            {
-                for (int f = 0; f < field_count; ++f)
-                    value[f * stride_] = 0;
-                continue;
-            }
-            const Anchor& a = anchors[indices[i]];
+            const Anchor& a = data.anchors[i];
+            const double farthest = radius_ + reach * std::sqrt(width_ * a.width);
+            return (a.position - centre).squaredNorm() > farthest * farthest;
+        };
+        found_.erase(std::remove_if(found_.begin(), found_.end(), is_beyond), found_.end());
+        stride_ = std::size_t(simd::padded(int(found_.size())));
+        values_.assign(stride_ * field_count, 0);
+        for (std::size_t i = 0; i < found_.size(); ++i)
+        {
+            const Anchor& a = data.anchors[found_[i]];
+            float* value = &values_[i];
             for (int k = 0; k < 3; ++k)
             {
-                value[(x + k) * stride_] = a.position[k] - origin[k];
-                value[(nx + k) * stride_] = a.normal[k];
+                value[(x + k) * stride_] = float(a.position[k] - centre[k]);
+                value[(nx + k) * stride_] = float(a.normal[k]);
             }
             for (int k = 0; k < 6; ++k)
-                value[(qxx + k) * stride_] = a.bending[k];
-            value[confidence * stride_] = a.confidence;
-            value[inverse_width * stride_] = 1 / (narrowing * narrowing * a.width);
+                value[(qxx + k) * stride_] = float(a.bending[k]);
+            value[confidence * stride_] = float(a.confidence);
+            value[inverse_width * stride_] = float(1 / (narrowing * narrowing * a.width));
         }
     }
-    const double* values() const { return values_.data(); }
+
+    /// Whether they suffice for a point.
+    bool suffice(const Point& p, double width) const { return width <= width_ && (p - centre_).norm() <= radius_; }
+
+    const float* values() const { return values_.data(); }
     std::size_t stride() const { return stride_; }
+    const Point& centre() const { return centre_; } ///< Origin of their positions.
 
 private:
-    std::vector<double> values_;
+    std::vector<int> found_;
+    std::vector<float> values_;
     std::size_t stride_ = 0;
-    int size_ = 0;
+    Point centre_ = Point::Zero();
+    double radius_ = 0, width_ = 0;
 };
 
 /// W, sum theta d, sum theta grad d, and the number of anchors that count.
@@ -94,39 +108,39 @@ struct Sums
 };
 
 RECON_VECTOR_CLONES
-void sum_anchors(const double* values, std::size_t stride, const double* p, const double* side, double inverse_width,
-                 double cut, double inverse_agreeing, Sums* sums)
+void sum_anchors(const float* values, std::size_t stride, const float* p, const float* side, float inverse_width,
+                 float cut, float inverse_agreeing, Sums* sums)
 {
     using G = GatheredAnchors;
     Lanes weight = {}, distance = {}, gx = {}, gy = {}, gz = {}, count = {};
-    const double limit = cut * cut;
-    const Lanes one = simd::zero() + 1.0;
+    const float limit = cut * cut;
+    const Lanes zero = {}, one = zero + 1.0f, most = zero + 8.0f;
     for (std::size_t i = 0; i < stride; i += simd::lane_count)
     {
-        const double* v = values + i;
+        const float* v = values + i;
         const Lanes ux = p[0] - simd::load(v + G::x * stride), uy = p[1] - simd::load(v + G::y * stride),
                     uz = p[2] - simd::load(v + G::z * stride);
         const Lanes nx = simd::load(v + G::nx * stride), ny = simd::load(v + G::ny * stride),
                     nz = simd::load(v + G::nz * stride);
         const Lanes e = (ux * ux + uy * uy + uz * uz) * (simd::load(v + G::inverse_width * stride) * inverse_width);
         const Lanes facing = nx * side[0] + ny * side[1] + nz * side[2];
-        Lanes w = simd::load(v + G::confidence * stride) * simd::exp_negative(simd::smaller(e, one * 8.0));
-        w = e <= limit ? w : simd::zero();
-        w = facing > simd::zero() ? w : simd::zero();
+        Lanes w = simd::load(v + G::confidence * stride) * simd::exp_negative(e < most ? e : most);
+        w = e <= limit ? w : zero;
+        w = facing > zero ? w : zero;
         const Lanes qxy = simd::load(v + G::qxy * stride), qxz = simd::load(v + G::qxz * stride),
                     qyz = simd::load(v + G::qyz * stride);
         const Lanes qx = simd::load(v + G::qxx * stride) * ux + qxy * uy + qxz * uz,
                     qy = qxy * ux + simd::load(v + G::qyy * stride) * uy + qyz * uz,
                     qz = qxz * ux + qyz * uy + simd::load(v + G::qzz * stride) * uz;
         const Lanes d = ux * (nx - qx) + uy * (ny - qy) + uz * (nz - qz);
-        const Lanes off = d * inverse_agreeing, damping = 1.0 / (1.0 + off * off);
+        const Lanes off = d * inverse_agreeing, damping = 1.0f / (1.0f + off * off);
         w *= damping * damping;
         weight += w;
         distance += w * d;
-        gx += w * (nx - 2.0 * qx);
-        gy += w * (ny - 2.0 * qy);
-        gz += w * (nz - 2.0 * qz);
-        count += w > simd::zero() ? one : simd::zero();
+        gx += w * (nx - 2.0f * qx);
+        gy += w * (ny - 2.0f * qy);
+        gz += w * (nz - 2.0f * qz);
+        count += w > zero ? one : zero;
     }
     sums->weight = simd::sum(weight);
     sums->distance = simd::sum(distance);
@@ -136,7 +150,7 @@ void sum_anchors(const double* values, std::size_t stride, const double* p, cons
     sums->count = simd::sum(count);
 }
 
-/// Projects single points; holds the anchors last gathered.
+/// Projects the points of a run.
 class Projector
 {
 public:
@@ -145,23 +159,10 @@ public:
     /// Makes the anchors around a ball of points ready.
     void prepare(const Point& centre, double radius, double width)
     {
-        fresh_ = true;
-        prepared_centre_ = centre;
-        prepared_radius_ = radius + slack * width;
-        origin_ = centre;
-        gather(centre, prepared_radius_ + reach(width));
+        around_run_.gather(data_, centre, radius, width, options_.cut_off);
     }
 
-    /// \returns whether the anchors at hand suffice for a point of that width.
-    bool is_prepared(const Point& p, double width, double prepared_width) const
-    {
-        return width <= prepared_width * (1 + 1e-12) && (p - prepared_centre_).norm() <= prepared_radius_;
-    }
-
-    /// False once project() had to gather anchors of its own.
-    bool is_fresh() const { return fresh_; }
-
-    void project(const Point& start, int cell, double prepared_width, AmlsProjection& result, std::size_t i)
+    void project(const Point& start, int cell, AmlsProjection& result, std::size_t i)
     {
         const LocalScale& scale = data_.cells.scales[cell];
         const double h = scale.width;
@@ -180,7 +181,7 @@ public:
             return;
         }
 
-        const double enough = options_.tolerance / std::sqrt(scale.density);
+        const double enough = std::max(options_.tolerance / std::sqrt(scale.density), least_step * h);
         Point x = start;
         Vector gradient = side;
         double width = h;
@@ -190,18 +191,19 @@ public:
         bool settled = false;
         const double agreeing = std::max(agreeing_sigmas * scale.sigma, agreeing_widths * h);
         ProjectionStatus status = ProjectionStatus::not_converged;
+        const GatheredAnchors* anchors = &around_run_;
+        const Eigen::Vector3f facing = side.cast<float>();
         while (step_count < options_.max_iterations)
         {
-            if (!is_prepared(x, width, prepared_width))
+            if (!anchors->suffice(x, width))
             {
-                prepared_width = width;
-                prepare(x, 0, width);
-                fresh_ = false;
+                around_point_.gather(data_, x, 0, width, options_.cut_off);
+                anchors = &around_point_;
             }
-            const Point local = x - origin_;
+            const Eigen::Vector3f local = (x - anchors->centre()).cast<float>();
             Sums sums;
-            sum_anchors(anchors_.values(), anchors_.stride(), local.data(), side.data(), 1 / width, options_.cut_off,
-                        settled ? 1 / agreeing : 0, &sums);
+            sum_anchors(anchors->values(), anchors->stride(), local.data(), facing.data(), float(1 / width),
+                        float(options_.cut_off), settled ? float(1 / agreeing) : 0, &sums);
             if (!(sums.weight >= least_weight))
             {
                 if (widened > widenings)
@@ -251,21 +253,9 @@ public:
     }
 
 private:
-    double reach(double width) const { return narrowing * options_.cut_off * uneven * width; }
-
-    void gather(const Point& centre, double radius)
-    {
-        data_.anchor_search.within(centre, radius, found_);
-        anchors_.gather(data_.anchors, found_, origin_);
-    }
-
     const AmlsSurface::Data& data_;
     const AmlsProjectionOptions& options_;
-    std::vector<int> found_;
-    GatheredAnchors anchors_;
-    Point origin_ = Point::Zero(), prepared_centre_ = Point::Zero();
-    double prepared_radius_ = 0;
-    bool fresh_ = false;
+    GatheredAnchors around_run_, around_point_;
 };
 
 } // namespace
@@ -340,14 +330,9 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
                             double width = 0;
                             for (int i = run.begin; i < run.end; ++i)
                                 width = std::max(width, data.cells.scales[cell[i]].width);
+                            projector.prepare(run.centre, run.radius, width);
                             for (int i = run.begin; i < run.end; ++i)
-                            {
-                                // Every point starts from the run's anchors: what one gathered anew must not leak into
-                                // the next, or the result would depend on more than the point.
-                                if (i == run.begin || !projector.is_fresh())
-                                    projector.prepare(run.centre, run.radius, width);
-                                projector.project(unit[i], cell[i], width, sorted, std::size_t(i));
-                            }
+                                projector.project(unit[i], cell[i], sorted, std::size_t(i));
                         }
                     });
 

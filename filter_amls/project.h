@@ -15,7 +15,7 @@ namespace recon
 struct AmlsProjectionOptions
 {
     int max_iterations = 6; ///< Newton steps per point [count], >= 1.
-    double tolerance = 0.1; ///< A point has converged when a step is below this [local spacing], > 0.
+    double tolerance = 0.1; ///< A point has converged when a step is below this [local spacing], > 0, or 1e-5 widths.
     double cut_off = 2.2;   ///< Anchors farther than this do not count [widths], > 0.
     /// The points are not those of which the surface was made, so they may lie farther from it than noise explains.
     bool foreign_points = false;

@@ -23,23 +23,19 @@ constexpr double least_points = 12;     // effective points of a fit whose resid
 constexpr double farthest_residual = 6; // sigmas; beyond it is no noise
 
 /// Collects for each of `robust_scales` the sums of psi^2, psi' and the count over the residuals of one fit by least
-/// squares, in units of sigma; psi(r) = r (1 + (r/s)^2)^-2.
-void add_residuals(const Gathered& gathered, const Point& origin, const FitStart& start, double* sums)
+/// squares, in units of sigma; psi(r) = r (1 + (r/s)^2)^-2. \param gathered with the foot of `start` as origin.
+void add_residuals(const Gathered& gathered, const FitStart& start, double* sums)
 {
-    QuadricWeights how{start.width, fit_cut};
-    how.directed = true;
+    const QuadricWeights how{start.width, fit_cut};
     const TangentFrame frame(start.normal);
-    const Point position = start.foot - origin;
-    const QuadricFit fit = fit_quadric(gathered, position, frame, how);
+    const QuadricFit fit = fit_quadric(gathered, Point::Zero(), frame, how);
     if (!fit.valid || fit.effective < least_points)
         return;
     for (int i = 0; i < gathered.size; ++i)
     {
-        const Vector d = Point(gathered.x[i], gathered.y[i], gathered.z[i]) - position;
+        const Vector d(gathered.x[i], gathered.y[i], gathered.z[i]);
         const double u = d.dot(frame.t1) / start.width, v = d.dot(frame.t2) / start.width;
-        const double facing =
-            gathered.nx[i] * start.normal.x() + gathered.ny[i] * start.normal.y() + gathered.nz[i] * start.normal.z();
-        if (u * u + v * v > 1 || !(facing > 0) || !(gathered.weight[i] > 0))
+        if (u * u + v * v > 1)
             continue;
         const double height =
             fit.c[0] + fit.c[1] * u + fit.c[2] * v + fit.c[3] * u * u + fit.c[4] * u * v + fit.c[5] * v * v;
@@ -67,14 +63,15 @@ double choose_robust_scale(const FitSamples& samples, const std::vector<FitStart
                     [&](std::size_t begin, std::size_t end)
                     {
                         std::vector<int> found;
-                        Gathered gathered;
+                        Gathered around, facing;
                         for (std::size_t i = begin; i < end; ++i)
                         {
                             const FitStart& start = starts[i * stride];
                             samples.search.within(start.foot, fit_cut * start.width, found);
-                            gathered.gather(samples.points, samples.weights, found, start.foot);
-                            gathered.gather_directions(samples.normals, found);
-                            add_residuals(gathered, start.foot, start, parts[i].data());
+                            around.gather(samples.points, samples.weights, found, start.foot);
+                            around.gather_directions(samples.normals, found);
+                            facing.gather_facing(around, Point::Zero(), fit_cut * start.width, start.normal, 0);
+                            add_residuals(facing, start, parts[i].data());
                         }
                     });
     std::array<double, width> total{};

@@ -1,6 +1,7 @@
 #pragma once
 
-// Eight doubles at a time, in the compiler's vector types: the same source becomes SSE2, AVX2 or AVX-512 code.
+// Eight numbers at a time, in the compiler's vector types: the same source becomes SSE2, AVX2 or AVX-512 code. Floats,
+// twice as fast, where positions about a place near by only weigh samples: they resolve 1e-7 of a width.
 
 #include <recon/vector_clones.h>
 
@@ -11,6 +12,7 @@ namespace recon::simd
 
 constexpr int lane_count = 8;
 using Lanes = double __attribute__((vector_size(64)));
+using FloatLanes = float __attribute__((vector_size(32)));
 
 /// Number of entries that arrays must hold for n values to be read in whole Lanes.
 constexpr int padded(int n)
@@ -24,13 +26,20 @@ RECON_INLINE Lanes load(const double* values)
     std::memcpy(&x, values, sizeof x);
     return x;
 }
+RECON_INLINE FloatLanes load(const float* values)
+{
+    FloatLanes x;
+    std::memcpy(&x, values, sizeof x);
+    return x;
+}
 RECON_INLINE void store(double* values, Lanes x)
 {
     std::memcpy(values, &x, sizeof x);
 }
 
 /// In a fixed order, so that all instruction sets round alike.
-RECON_INLINE double sum(Lanes x)
+template <class AnyLanes>
+RECON_INLINE double sum(AnyLanes x)
 {
     return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
 }
@@ -46,17 +55,19 @@ RECON_INLINE Lanes smaller(Lanes a, Lanes b)
 
 /// exp(-x) for 0 <= x <= 8 to a relative 1e-6, by a polynomial for exp(-x / 16) and four squarings: no integer
 /// arithmetic, which the older instruction sets lack for 64 bits.
-RECON_INLINE Lanes exp_negative(Lanes x)
+template <class AnyLanes>
+RECON_INLINE AnyLanes exp_negative(AnyLanes x)
 {
-    const Lanes t = x * (-1.0 / 16);
-    Lanes y = 1.0 / 5040 + t * (1.0 / 40320);
-    y = 1.0 / 720 + t * y;
-    y = 1.0 / 120 + t * y;
-    y = 1.0 / 24 + t * y;
-    y = 1.0 / 6 + t * y;
-    y = 0.5 + t * y;
-    y = 1.0 + t * y;
-    y = 1.0 + t * y;
+    using Number = decltype(x[0] + x[0]);
+    const AnyLanes t = x * Number(-1.0 / 16);
+    AnyLanes y = Number(1.0 / 5040) + t * Number(1.0 / 40320);
+    y = Number(1.0 / 720) + t * y;
+    y = Number(1.0 / 120) + t * y;
+    y = Number(1.0 / 24) + t * y;
+    y = Number(1.0 / 6) + t * y;
+    y = Number(0.5) + t * y;
+    y = Number(1) + t * y;
+    y = Number(1) + t * y;
     y *= y;
     y *= y;
     y *= y;

@@ -8,7 +8,7 @@
 namespace recon
 {
 
-using simd::Lanes;
+using Lanes = simd::FloatLanes;
 
 void Gathered::gather(const Points& points, const std::vector<double>& weights, const std::vector<int>& indices,
                       const Point& origin)
@@ -19,11 +19,11 @@ void Gathered::gather(const Points& points, const std::vector<double>& weights, 
         values->resize(padded);
     for (int i = 0; i < size; ++i)
     {
-        const Point p = points[indices[i]] - origin;
+        const Eigen::Vector3f p = (points[indices[i]] - origin).cast<float>();
         x[i] = p.x();
         y[i] = p.y();
         z[i] = p.z();
-        weight[i] = weights.empty() ? 1 : weights[indices[i]];
+        weight[i] = weights.empty() ? 1 : float(weights[indices[i]]);
     }
     for (std::size_t i = size; i < padded; ++i)
         x[i] = y[i] = z[i] = weight[i] = 0;
@@ -36,34 +36,36 @@ void Gathered::gather_directions(const Vectors& directions, const std::vector<in
         values->assign(padded, 0);
     for (int i = 0; i < size; ++i)
     {
-        const Vector& n = directions[indices[i]];
+        const Eigen::Vector3f n = directions[indices[i]].cast<float>();
         nx[i] = n.x();
         ny[i] = n.y();
         nz[i] = n.z();
     }
 }
 
-void Gathered::gather_within(const Gathered& all, const Point& centre, double radius)
+void Gathered::gather_facing(const Gathered& all, const Point& centre, double radius, const Vector& normal,
+                             double least_cosine)
 {
     const std::size_t longest = std::size_t(simd::padded(all.size));
-    for (auto* values : {&x, &y, &z, &weight, &nx, &ny, &nz})
+    for (auto* values : {&x, &y, &z, &weight})
         values->resize(longest);
+    const Eigen::Vector3f c = centre.cast<float>(), n = normal.cast<float>();
+    const float limit = float(radius * radius), least = float(least_cosine);
     size = 0;
     for (int i = 0; i < all.size; ++i)
     {
-        x[size] = all.x[i];
-        y[size] = all.y[i];
-        z[size] = all.z[i];
-        weight[size] = all.weight[i];
-        nx[size] = all.nx[i];
-        ny[size] = all.ny[i];
-        nz[size] = all.nz[i];
-        const double dx = x[size] - centre.x(), dy = y[size] - centre.y(), dz = z[size] - centre.z();
+        const float px = all.x[i], py = all.y[i], pz = all.z[i], w = all.weight[i];
+        x[size] = px;
+        y[size] = py;
+        z[size] = pz;
+        weight[size] = w;
+        const float dx = px - c.x(), dy = py - c.y(), dz = pz - c.z();
+        const float cosine = all.nx[i] * n.x() + all.ny[i] * n.y() + all.nz[i] * n.z();
         // Written over by the next one if it does not count: no branch to mispredict.
-        size += int(dx * dx + dy * dy + dz * dz <= radius * radius && weight[size] > 0);
+        size += int(dx * dx + dy * dy + dz * dz <= limit) & int(w > 0) & int(cosine > least);
     }
     for (int i = size; i < simd::padded(size); ++i)
-        x[i] = y[i] = z[i] = weight[i] = nx[i] = ny[i] = nz[i] = 0;
+        x[i] = y[i] = z[i] = weight[i] = 0;
 }
 
 namespace
@@ -71,16 +73,16 @@ namespace
 
 /// Sums of w (1, x, y, z, xx, xy, xz, yy, yz, zz) about the centre.
 RECON_VECTOR_CLONES
-void sum_moments(const double* px, const double* py, const double* pz, const double* weight, int n, double cx,
-                 double cy, double cz, double width, double cut, double* sums)
+void sum_moments(const float* px, const float* py, const float* pz, const float* weight, int n, float cx, float cy,
+                 float cz, float width, float cut, double* sums)
 {
     Lanes total[10] = {};
-    const double inverse = 1 / (width * width), limit = cut * cut;
+    const float inverse = 1 / (width * width), limit = cut * cut;
     for (int i = 0; i < n; i += simd::lane_count)
     {
         const Lanes x = simd::load(px + i) - cx, y = simd::load(py + i) - cy, z = simd::load(pz + i) - cz;
         const Lanes e = (x * x + y * y + z * z) * inverse;
-        const Lanes w = e <= limit ? simd::load(weight + i) * simd::exp_negative(e) : simd::zero();
+        const Lanes w = e <= limit ? simd::load(weight + i) * simd::exp_negative(e) : Lanes{};
         const Lanes wx = w * x, wy = w * y, wz = w * z;
         total[0] += w;
         total[1] += wx;
@@ -100,12 +102,12 @@ void sum_moments(const double* px, const double* py, const double* pz, const dou
 /// Everything sum_quadric() reads, so that one function serves all kinds of weights.
 struct QuadricInput
 {
-    const double *x, *y, *z, *weight, *nx, *ny, *nz;
+    const float *x, *y, *z, *weight;
     int n;
-    double origin[3], normal[3], t1[3], t2[3];
-    double width, cut;
-    bool directed, robust;
-    double least_cosine, about[6], robust_scale;
+    float origin[3], normal[3], t1[3], t2[3];
+    float width, cut;
+    bool robust;
+    float about[6], robust_scale;
 };
 
 constexpr int quadric_sums = 15 + 6 + 1;
@@ -115,8 +117,7 @@ RECON_VECTOR_CLONES
 void sum_quadric(const QuadricInput& in, double* sums)
 {
     Lanes total[quadric_sums] = {};
-    const double inverse = 1 / in.width, limit = in.cut * in.cut, robust = 1 / in.robust_scale;
-    const Lanes least_cosine = simd::zero() + in.least_cosine;
+    const float inverse = 1 / in.width, limit = in.cut * in.cut, robust = 1 / in.robust_scale;
     for (int i = 0; i < in.n; i += simd::lane_count)
     {
         const Lanes x = simd::load(in.x + i) - in.origin[0], y = simd::load(in.y + i) - in.origin[1],
@@ -125,20 +126,14 @@ void sum_quadric(const QuadricInput& in, double* sums)
         const Lanes u = (x * in.t1[0] + y * in.t1[1] + z * in.t1[2]) * inverse;
         const Lanes v = (x * in.t2[0] + y * in.t2[1] + z * in.t2[2]) * inverse;
         const Lanes e = u * u + v * v + (height * inverse) * (height * inverse);
-        Lanes w = e <= limit ? simd::load(in.weight + i) * simd::exp_negative(e) : simd::zero();
+        Lanes w = e <= limit ? simd::load(in.weight + i) * simd::exp_negative(e) : Lanes{};
         const Lanes uu = u * u, uv = u * v, vv = v * v;
-        if (in.directed)
-        {
-            const Lanes cosine = simd::load(in.nx + i) * in.normal[0] + simd::load(in.ny + i) * in.normal[1] +
-                                 simd::load(in.nz + i) * in.normal[2];
-            w = cosine > least_cosine ? w : simd::zero();
-        }
         if (in.robust)
         {
             const Lanes r = (height - (in.about[0] + in.about[1] * u + in.about[2] * v + in.about[3] * uu +
                                        in.about[4] * uv + in.about[5] * vv)) *
                             robust;
-            const Lanes damping = 1.0 / (1.0 + r * r);
+            const Lanes damping = 1.0f / (1.0f + r * r);
             w *= damping * damping;
         }
         const Lanes wu = w * u, wv = w * v, wuu = w * uu, wuv = w * uv, wvv = w * vv, wz = w * height;
@@ -174,8 +169,8 @@ void sum_quadric(const QuadricInput& in, double* sums)
 WeightedPlane fit_plane(const Gathered& points, const Point& centre, double width, double cut)
 {
     double s[10];
-    sum_moments(points.x.data(), points.y.data(), points.z.data(), points.weight.data(), points.size, centre.x(),
-                centre.y(), centre.z(), width, cut, s);
+    sum_moments(points.x.data(), points.y.data(), points.z.data(), points.weight.data(), points.size,
+                float(centre.x()), float(centre.y()), float(centre.z()), float(width), float(cut), s);
     WeightedPlane plane;
     plane.mass = s[0];
     if (!(s[0] > 0))
@@ -214,25 +209,20 @@ QuadricFit fit_quadric(const Gathered& points, const Point& origin, const Tangen
     in.y = points.y.data();
     in.z = points.z.data();
     in.weight = points.weight.data();
-    in.nx = points.nx.data();
-    in.ny = points.ny.data();
-    in.nz = points.nz.data();
     in.n = points.size;
     for (int k = 0; k < 3; ++k)
     {
-        in.origin[k] = origin[k];
-        in.normal[k] = frame.normal[k];
-        in.t1[k] = frame.t1[k];
-        in.t2[k] = frame.t2[k];
+        in.origin[k] = float(origin[k]);
+        in.normal[k] = float(frame.normal[k]);
+        in.t1[k] = float(frame.t1[k]);
+        in.t2[k] = float(frame.t2[k]);
     }
-    in.width = how.width;
-    in.cut = how.cut;
-    in.directed = how.directed;
-    in.least_cosine = how.least_cosine;
+    in.width = float(how.width);
+    in.cut = float(how.cut);
     in.robust = how.robust_about != nullptr;
-    in.robust_scale = how.robust_scale;
+    in.robust_scale = float(how.robust_scale);
     for (int k = 0; k < 6; ++k)
-        in.about[k] = in.robust ? how.robust_about->c[k] : 0;
+        in.about[k] = in.robust ? float(how.robust_about->c[k]) : 0;
     double s[quadric_sums];
     sum_quadric(in, s);
 

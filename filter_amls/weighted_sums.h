@@ -14,15 +14,17 @@ namespace recon
 /// weigh nothing.
 struct Gathered
 {
-    std::vector<double> x, y, z, weight;
-    std::vector<double> nx, ny, nz; ///< Only where directions are gathered.
+    std::vector<float> x, y, z, weight;
+    std::vector<float> nx, ny, nz; ///< Directions, only after gather_directions().
     int size = 0;
 
     void gather(const Points& points, const std::vector<double>& weights, const std::vector<int>& indices,
                 const Point& origin);
     void gather_directions(const Vectors& directions, const std::vector<int>& indices);
-    /// Those of `all`, with their directions, that weigh something and lie within `radius` of `centre`.
-    void gather_within(const Gathered& all, const Point& centre, double radius);
+    /// Those of `all` that weigh something, lie within `radius` of `centre` and whose direction has more than
+    /// `least_cosine` with `normal`; without their directions.
+    void gather_facing(const Gathered& all, const Point& centre, double radius, const Vector& normal,
+                       double least_cosine);
 };
 
 /// Weighted mass, mean and smallest principal direction.
@@ -59,8 +61,6 @@ struct QuadricWeights
     double cut;                    ///< Points farther than this many widths do not count.
     double ridge_linear = 1e-4;    ///< Pull of the slopes to 0 [share of the mass].
     double ridge_quadratic = 2e-3; ///< Pull of the curvatures to 0 [share of the mass].
-    bool directed = false;         ///< Only points whose direction has more than `least_cosine` with the normal.
-    double least_cosine = 0;
     const QuadricFit* robust_about = nullptr; ///< Residuals from this fit lower the weights as (1 + (r/s)^2)^-2.
     double robust_scale = 1;                  ///< s [length].
 };
