@@ -392,10 +392,14 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
     {
         int turned = 0;
         // Across the handle or through it, whichever goes against less.
+        std::vector<std::vector<int>> inner, outer;
+        const auto find = [&](Side side)
+        { return group(find_ring_closers(regular, at, side, is_doubtful, margins, labels), regular, at); };
+        parallel_invoke(
+            options.threads, [&] { inner = find(Side::inner); }, [&] { outer = find(Side::outer); });
         std::vector<std::pair<double, std::vector<int>>> closers;
-        for (const Side side : {Side::inner, Side::outer})
-            for (std::vector<int>& set :
-                 group(find_ring_closers(regular, at, side, is_doubtful, margins, labels), regular, at))
+        for (auto* sets : {&inner, &outer})
+            for (std::vector<int>& set : *sets)
             {
                 const double against = evidence.of(set, labels);
                 closers.emplace_back(against, std::move(set));
