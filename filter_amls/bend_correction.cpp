@@ -14,9 +14,9 @@ namespace recon
 namespace
 {
 
-constexpr double pooled = 2; // widths: h of the weights of anchors that say together whether the surface bends
-constexpr double pool_cut = 2; // of that h
-constexpr double largest_excess = 25;  // of one anchor, over what noise explains
+constexpr double pooled = 2;          // widths: h of the weights of anchors that say together whether the surface bends
+constexpr double pool_cut = 2;        // of that h
+constexpr double largest_excess = 25; // of one anchor, over what noise explains
 constexpr double doubted_excess = 0.4; // what the mean over a pool reaches by chance
 constexpr double farthest = 1.4;       // past the narrower fit, 1; two widths 0.6 apart cancel a kink's bias at 2.5
 constexpr double thick = 2.7;          // sigmas: below it the height of a fit is drawn to where it began

@@ -169,8 +169,8 @@ void sum_quadric(const QuadricInput& in, double* sums)
 WeightedPlane fit_plane(const Gathered& points, const Point& centre, double width, double cut)
 {
     double s[10];
-    sum_moments(points.x.data(), points.y.data(), points.z.data(), points.weight.data(), points.size,
-                float(centre.x()), float(centre.y()), float(centre.z()), float(width), float(cut), s);
+    sum_moments(points.x.data(), points.y.data(), points.z.data(), points.weight.data(), points.size, float(centre.x()),
+                float(centre.y()), float(centre.z()), float(width), float(cut), s);
     WeightedPlane plane;
     plane.mass = s[0];
     if (!(s[0] > 0))
