@@ -1,5 +1,7 @@
 #include "medial_axis.h"
 
+#include "label_cloud.h"
+
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/neighbours.h>

@@ -4,7 +4,6 @@
 #include "filter_amls/surface.h"
 
 #include <recon/geometry.h>
-#include <recon/labelled_balls.h>
 #include <recon/progress.h>
 
 #include <optional>
@@ -42,6 +41,7 @@ struct PreparedSamples
     Points distinct;                    ///< Those points in the unit frame.
     double cleanness = 0;               ///< Share of points that look free of noise [0..1].
     bool is_noisy = false;              ///< What the gate found.
+    bool is_doubtful = false;           ///< Only the estimate of the noise says so: that can be thin walls.
     bool denoised = false;              ///< Whether `samples` are projected and thinned.
     std::optional<AmlsSurface> surface; ///< Of a cloud that is noisy or denoised.
     Points samples;                     ///< In the unit frame: `distinct`, or cleaned.
@@ -55,21 +55,5 @@ struct PreparedSamples
 /// \throws InvalidInput for points that do not span a volume or are not finite. \throws Cancelled.
 PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
                                 const Progress& progress = {});
-
-/// A prepared cloud and its polar balls, inner told from outer.
-struct LabelledCloud
-{
-    PreparedSamples cloud;
-    LabelledBalls labelled;
-    int completed = 0; ///< Samples put on bare flat faces, the last of the cloud's [count].
-};
-
-/// Prepares the samples and labels their polar balls; where faces are bare, again with these completed, and the labels that
-/// contradict less stay. A clean cloud of whose points the crust misses some (an open scan that outer balls flood, coarse limbs,
-/// walls thinner than the spacing) is tried again denoised, with the normals of its AMLS surface, and the crust with the smaller
-/// mismatch stays.
-/// \param labelling with lengths in input units.
-LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options, BallLabellingOptions labelling,
-                          PhaseTimes& times, const Progress& progress = {});
 
 } // namespace recon

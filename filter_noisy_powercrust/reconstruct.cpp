@@ -1,6 +1,7 @@
 #include "reconstruct.h"
 
 #include "filter_amls/smooth_mesh.h"
+#include "label_cloud.h"
 
 #include <recon/block_search.h>
 #include <recon/crust_mesh.h>

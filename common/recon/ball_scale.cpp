@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace recon
@@ -18,6 +19,8 @@ constexpr int fine_count = 6, coarse_count = 30;
 /// Shares of samples around one above which its scale is fine: of those with clean poles, or, at thin walls, whose
 /// poles are short and slant, of neighbours that lie flat.
 constexpr double clean_above = 0.45, flat_above = 0.75;
+/// In a cloud more of whose neighbours than this lie flat, a smaller share is enough.
+constexpr double flat_cloud = 0.9, flat_above_in_flat_cloud = 0.6;
 constexpr double pi = 3.14159265358979323846;
 
 double median(std::vector<double> values)
@@ -144,6 +147,9 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
                      const Vector second = delaunay.centres[cells[1]] - samples[v];
                      clean[i] = has_clean_poles(first, second, spacing.eighth[i]);
                  });
+    // Corners and small holes of a cloud that is clean all over are no noise; noisy parts of it have half of their neighbours flat.
+    const bool is_flat_cloud = std::accumulate(flat.begin(), flat.end(), 0.0) > flat_cloud * double(m);
+    const double flat_limit = is_flat_cloud ? flat_above_in_flat_cloud : flat_above;
     constexpr int around = 24;
     std::vector<char> is_fine(m);
     parallel_for(m, threads, {},
@@ -163,7 +169,7 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
                          cleanness += clean[indices[j]] ? 1.0 / found : 0;
                          flatness += flat[indices[j]] / found;
                      }
-                     is_fine[i] = cleanness > clean_above || flatness > flat_above;
+                     is_fine[i] = cleanness > clean_above || flatness > flat_limit;
                  });
     const std::vector<double> coarse = measure_coarse(spacing, is_fine, samples, search, threads);
     BallScale result;

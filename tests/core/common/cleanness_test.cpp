@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 using namespace recon;
 
 namespace
@@ -20,6 +22,22 @@ Points sample_plate(double thickness, int side)
     for (const int i : order_spatially(points).order)
         ordered.push_back(points[i]);
     return ordered;
+}
+
+/// Share of the samples from `begin` to before `end` whose scale is the fine one.
+double share_of_fine(const Points& points, std::size_t begin, std::size_t end)
+{
+    Points samples = UnitFrame(points).to_unit(points);
+    const Points free_samples = samples;
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    const BlockSearch search(free_samples);
+    const SampleSpacing spacing = measure_spacing(free_samples, search, 1);
+    const BallScale scale = choose_scale(spacing, free_samples, search, delaunay, find_poles(delaunay, samples));
+    int fine = 0;
+    for (std::size_t i = begin; i < end; ++i)
+        fine += scale.scale[i] == spacing.fine[std::size_t(spacing.nearest[i])];
+    return fine / double(end - begin);
 }
 
 } // namespace
@@ -56,18 +74,32 @@ TEST(ChooseScale, IsFineAtAThinPlateAndCoarseInNoise)
     const Points plate = sample_plate(1.5, 30);
     for (const bool noisy : {false, true})
     {
-        Points samples = UnitFrame(plate).to_unit(noisy ? shapes::with_noisy_copies(plate, 0.3, 4, 2) : plate);
-        const Points free_samples = samples;
-        append_box_corners(samples);
-        const Triangulation delaunay = triangulate_delaunay(samples);
-        const BlockSearch search(free_samples);
-        const SampleSpacing spacing = measure_spacing(free_samples, search, 1);
-        const BallScale scale = choose_scale(spacing, free_samples, search, delaunay, find_poles(delaunay, samples));
-        int fine = 0;
-        for (std::size_t i = 0; i < free_samples.size(); ++i)
-            fine += scale.scale[i] == spacing.fine[std::size_t(spacing.nearest[i])];
-        const double share = double(fine) / double(free_samples.size());
+        const Points samples = noisy ? shapes::with_noisy_copies(plate, 0.3, 4, 2) : plate;
+        const double share = share_of_fine(samples, 0, samples.size());
         EXPECT_EQ(share > 0.95, !noisy);
         EXPECT_EQ(share < 0.05, noisy);
     }
+}
+
+TEST(ChooseScale, IsFineInASmallHoleOfACleanCloudAndCoarseInItsNoisyPart)
+{
+    // A bore of 3 spacings through a plate as thick, and another plate beside it that is noisy.
+    constexpr double diameter = 3, thickness = 3, pi = 3.14159265358979323846;
+    constexpr int around = 9, far_away = 80;
+    Points samples;
+    for (int layer = 0; layer < int(thickness); ++layer)
+        for (int i = 0; i < around; ++i)
+        {
+            const double angle = 2 * pi / around * (i + 0.5 * layer);
+            samples.emplace_back(diameter / 2 * std::cos(angle), diameter / 2 * std::sin(angle), layer + 0.5 - thickness / 2);
+        }
+    const std::size_t bore = samples.size();
+    for (const Point& p : shapes::with_noisy_copies(sample_plate(thickness, 8), 0.3, 4, 2))
+        samples.push_back(p + Vector(far_away, 0, 0));
+    const std::size_t noisy = samples.size();
+    for (const Point& p : sample_plate(thickness, 60))
+        if (p.head<2>().norm() > diameter / 2 + 0.3)
+            samples.push_back(p);
+    EXPECT_GT(share_of_fine(samples, 0, bore), 0.5);
+    EXPECT_LT(share_of_fine(samples, bore, noisy), 0.2);
 }

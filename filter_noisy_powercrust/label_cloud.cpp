@@ -1,0 +1,153 @@
+#include "label_cloud.h"
+
+#include <recon/crust_mesh.h>
+#include <recon/mismatch.h>
+#include <recon/parallel.h>
+
+#include <optional>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
+constexpr double suspicious_votes = 0.01;
+/// Above this share the outside floods the surface, which then has handles by the hundred and misses nothing.
+constexpr double flooded_votes = 0.15;
+/// Share of points that a right surface may miss, at ears and folds.
+constexpr double bearable_miss = 0.01;
+/// Share of the area without points above which a hollow may have been closed over.
+constexpr double bearable_bare = 0.05;
+/// A rival that keeps more balls fits any points better; it must have less than this share of the mismatch.
+constexpr double clearly_better = 0.5;
+/// Above this number of points two attempts are not kept side by side [count].
+constexpr std::size_t most_points_twice = 1'000'000;
+
+/// Up to this share of violated votes a denoised cloud is not searched for bare faces.
+constexpr double calm_votes = 0.005;
+/// Up to this share of violated votes completed flat faces are not doubted.
+constexpr double certain_votes = 0.02;
+
+/// Attempts at one cloud.
+class Attempts
+{
+public:
+    Attempts(const Points& points, const SamplePreparationOptions& options, const BallLabellingOptions& labelling, PhaseTimes& times)
+        : points_(points), options_(options), labelling_(labelling), times_(times)
+    {
+    }
+
+    LabelledCloud prepare_and_label(Denoise denoise, const Progress& progress)
+    {
+        SamplePreparationOptions options = options_;
+        options.denoise = denoise;
+        PreparedSamples cloud = prepare_samples(points_, options, times_, progress.part(0, 0.35, "preparation"));
+        return label(std::move(cloud), false, progress.part(0.35, 1, "labels"));
+    }
+
+    /// The points of an earlier attempt as they are, all balls kept by the spacing alone.
+    LabelledCloud label_fine(PreparedSamples cloud, const Progress& progress)
+    {
+        cloud.samples = cloud.distinct;
+        cloud.normals.clear();
+        cloud.surface.reset();
+        if (cloud.denoised)
+            cloud.completion = {}; // on projected samples
+        cloud.denoised = cloud.is_noisy = false;
+        cloud.outliers = 0;
+        return label(std::move(cloud), true, progress);
+    }
+
+    Mismatch measure(const LabelledCloud& found)
+    {
+        times_.begin("mismatch");
+        const TriangleMesh crust = extract_crust(found.labelled.regular, found.labelled.labels, labelling_.threads);
+        return measure_mismatch(found.cloud.distinct, crust, labelling_.threads);
+    }
+
+private:
+    LabelledCloud label(PreparedSamples cloud, bool fine, const Progress& progress)
+    {
+        BallLabellingOptions in_units = labelling_;
+        in_units.ball_threshold /= cloud.frame.scale();
+        in_units.noise /= cloud.frame.scale();
+        in_units.fine = fine;
+        const auto label_samples = [&](double from, double to)
+        { return label_polar_balls(cloud.samples, cloud.normals, in_units, times_, progress.part(from, to, "polar balls")); };
+        LabelledBalls plain = label_samples(0, 0.8);
+        if (cloud.denoised && plain.violated_votes > calm_votes)
+        {
+            times_.begin("flat faces");
+            FlatFaceOptions noisy_faces;
+            noisy_faces.noise = cloud.noise / cloud.frame.scale();
+            noisy_faces.threads = resolve_threads(options_.threads);
+            cloud.completion = complete_flats(cloud.samples, cloud.normals, noisy_faces);
+        }
+        if (cloud.completion.points.empty())
+            return {std::move(cloud), std::move(plain)};
+        const std::size_t measured = cloud.samples.size();
+        cloud.samples.insert(cloud.samples.end(), cloud.completion.points.begin(), cloud.completion.points.end());
+        cloud.normals.insert(cloud.normals.end(), cloud.completion.normals.begin(), cloud.completion.normals.end());
+        LabelledBalls completed = label_samples(0.8, 1);
+        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they are.
+        if (completed.violated_votes <= certain_votes || completed.violated_votes <= 0.5 * plain.violated_votes)
+        {
+            const int count = int(cloud.samples.size() - measured);
+            return {std::move(cloud), std::move(completed), count};
+        }
+        cloud.samples.resize(measured);
+        if (!cloud.normals.empty())
+            cloud.normals.resize(measured);
+        return {std::move(cloud), std::move(plain)};
+    }
+
+    const Points& points_;
+    const SamplePreparationOptions& options_;
+    const BallLabellingOptions& labelling_;
+    PhaseTimes& times_;
+};
+
+} // namespace
+
+LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options, const BallLabellingOptions& labelling,
+                          PhaseTimes& times, const Progress& progress)
+{
+    Attempts attempts(points, options, labelling, times);
+    std::optional<LabelledCloud> first = attempts.prepare_and_label(options.denoise, progress.part(0, 0.7, "first attempt"));
+    // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
+    if (options.denoise != Denoise::automatic || labelling.ball_threshold > 0)
+        return std::move(*first);
+    const bool denoised = first->cloud.denoised;
+    const double violated = first->labelled.violated_votes;
+    if (denoised ? !first->cloud.is_doubtful : violated <= suspicious_votes)
+        return std::move(*first);
+    Mismatch mismatch = attempts.measure(*first);
+    const bool is_flooded = violated > flooded_votes;
+    // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is full.
+    const bool may_be_filled = mismatch.bare_area > bearable_bare && (denoised || !is_flooded);
+    if (may_be_filled && points.size() <= most_points_twice)
+    {
+        LabelledCloud fine = attempts.label_fine(first->cloud, progress.part(0.7, 0.8, "fine balls"));
+        const Mismatch own = attempts.measure(fine);
+        // Bare flats stay bare: there both are wrong, and the first less so. Votes of other samples do not compare.
+        if ((denoised || fine.labelled.violated_votes < violated) && own.sum() < clearly_better * mismatch.sum())
+        {
+            first = std::move(fine);
+            mismatch = own;
+        }
+    }
+    if (denoised || (mismatch.missed_points <= bearable_miss && !is_flooded))
+        return std::move(*first);
+    if (points.size() > most_points_twice)
+        first.reset();
+    {
+        LabelledCloud second = attempts.prepare_and_label(Denoise::on, progress.part(0.8, 0.9, "second attempt"));
+        if (is_flooded ? second.labelled.violated_votes < violated : attempts.measure(second).sum() < mismatch.sum())
+            return second;
+    }
+    return first ? std::move(*first) : attempts.prepare_and_label(options.denoise, progress.part(0.9, 1, "first attempt again"));
+}
+
+} // namespace recon

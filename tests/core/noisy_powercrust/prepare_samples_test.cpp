@@ -1,0 +1,43 @@
+#include "filter_noisy_powercrust/prepare_samples.h"
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace recon;
+
+namespace
+{
+
+PreparedSamples prepare(const Points& points)
+{
+    PhaseTimes times;
+    return prepare_samples(points, {}, times);
+}
+
+} // namespace
+
+TEST(PrepareSamples, OneNoisySampleASpotIsNoise)
+{
+    constexpr double thickness = 12, noise = 0.25; // spacings
+    const Points plate = shapes::thin_plate(40, thickness, 5);
+    EXPECT_FALSE(prepare(plate).denoised);
+
+    const PreparedSamples cloud = prepare(shapes::with_noise(plate, noise, 4));
+    EXPECT_GT(cloud.cleanness, 0.7); // long, thin cells
+    EXPECT_TRUE(cloud.is_doubtful);
+    EXPECT_TRUE(cloud.denoised);
+    double sum = 0;
+    for (const Point& p : cloud.samples)
+        sum += std::pow(std::abs(p.z() * cloud.frame.scale()) - thickness / 2, 2);
+    EXPECT_LT(std::sqrt(sum / double(cloud.samples.size())), 0.7 * noise);
+}
+
+TEST(PrepareSamples, ThinWallsAreNoNoiseThoughTheEstimateSaysSo)
+{
+    const PreparedSamples cloud = prepare(shapes::thin_plate(30, 1.5, 5));
+    EXPECT_FALSE(cloud.is_doubtful);
+    EXPECT_FALSE(cloud.denoised);
+}
