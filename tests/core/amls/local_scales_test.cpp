@@ -1,0 +1,63 @@
+#include "filter_amls/local_scales.h"
+
+#include "tests/shapes.h"
+
+#include <recon/noise.h>
+#include <recon/spatial_order.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+using namespace recon;
+
+namespace
+{
+
+struct Widths
+{
+    Points seeds;
+    std::vector<double> widths;
+};
+
+Widths choose(const Points& points)
+{
+    Points sorted;
+    for (const int i : order_spatially(points).order)
+        sorted.push_back(points[i]);
+    const NoiseEstimate noise = estimate_noise(sorted, {});
+    const BlockSearch search(sorted);
+    const LocalScales scales = choose_widths(sorted, search, noise, 1, {});
+    Widths result{noise.seeds(), {}};
+    for (const LocalScale& scale : scales.at_seed)
+        result.widths.push_back(scale.width);
+    return result;
+}
+
+double median(std::vector<double> values)
+{
+    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+    return values[values.size() / 2];
+}
+
+} // namespace
+
+TEST(LocalScales, WidthsFollowTheCurvature)
+{
+    // Two spheres of the same density: with the risks of too few seeds pooled to tell bias from noise, or of all of
+    // them, the widths would be alike.
+    double mean = 0;
+    for (const unsigned seed : {1u, 2u, 3u, 4u})
+    {
+        Points points = shapes::sphere(20000, 1, seed).points;
+        for (const Point& p : shapes::sphere(1250, 0.25, seed).points)
+            points.push_back(p + Point(3, 0, 0));
+        const Widths found = choose(shapes::with_noise(points, 0.02, seed + 10));
+        std::vector<double> large, small;
+        for (std::size_t i = 0; i < found.seeds.size(); ++i)
+            (found.seeds[i].x() > 2 ? small : large).push_back(found.widths[i]);
+        ASSERT_FALSE(small.empty());
+        mean += median(large) / median(small) / 4;
+    }
+    EXPECT_GT(mean, 1.27); // 1.06 from single seeds, 1.21 from five at a time, 1 from all
+}
