@@ -57,11 +57,18 @@ public:
                     cell_of_[v] = c;
     }
 
-    bool remove(int v)
+    enum class Outcome
+    {
+        removed,
+        out_of_cells, ///< The hole needs more than are free: others have to go first.
+        failed
+    };
+
+    Outcome remove(int v)
     {
         const int start = cell_of_[v];
         if (start == none)
-            return true;
+            return Outcome::removed;
         star_.assign(1, start);
         mark_[start] = v;
         hull_.clear();
@@ -69,7 +76,7 @@ public:
         for (std::size_t k = 0; k < star_.size(); ++k)
         {
             if (!t_.is_finite(star_[k]))
-                return false;
+                return Outcome::failed;
             const Triangulation::Cell& cell = t_.cells[star_[k]];
             for (int i = 0; i < 4; ++i)
             {
@@ -140,7 +147,7 @@ private:
     }
 
     /// Replaces the star of v.
-    bool fill(int v)
+    Outcome fill(int v)
     {
         // In the order of the indices, on which ties depend.
         Points points;
@@ -181,7 +188,7 @@ private:
             {
                 const int c = inside[k];
                 if (!local.is_finite(c))
-                    return false;
+                    return Outcome::failed;
                 hull_of[c][i] = find_on_hull(facet_of(c, i));
                 if (hull_of[c][i] == nullptr)
                     visit(local.cells[c].neighbours[i]);
@@ -193,8 +200,14 @@ private:
         for (const int c : inside)
             facets +=
                 std::size_t(std::count_if(hull_of[c].begin(), hull_of[c].end(), [](auto* f) { return f != nullptr; }));
-        if (facets != hull_.size() || inside.size() > star_.size() + gaps_.size())
-            return false;
+        if (facets != hull_.size())
+            return Outcome::failed;
+        if (inside.size() > star_.size() + gaps_.size())
+        {
+            for (const int c : star_)
+                mark_[c] = none;
+            return Outcome::out_of_cells;
+        }
         for (std::size_t k = 0; k < inside.size(); ++k)
         {
             int& place = number[inside[k]];
@@ -232,7 +245,7 @@ private:
             }
         }
         cell_of_[v] = none;
-        return true;
+        return Outcome::removed;
     }
 
     Triangulation& t_;
@@ -252,9 +265,21 @@ bool remove_sites(Triangulation& triangulation, const Points& points, const std:
                   const std::vector<int>& removed)
 {
     Remover remover(triangulation, points, weights, removed);
-    for (const int v : removed)
-        if (!remover.remove(v))
+    for (std::vector<int> left = removed; !left.empty();)
+    {
+        std::vector<int> put_off;
+        for (const int v : left)
+        {
+            const Remover::Outcome outcome = remover.remove(v);
+            if (outcome == Remover::Outcome::failed)
+                return false;
+            if (outcome == Remover::Outcome::out_of_cells)
+                put_off.push_back(v);
+        }
+        if (put_off.size() == left.size())
             return false;
+        left.swap(put_off);
+    }
     remover.close_gaps();
     return true;
 }

@@ -231,6 +231,31 @@ TEST(RemoveSites, LeavesWhatTheOthersAloneWouldMake)
     }
 }
 
+TEST(RemoveSites, PutsOffASiteWhoseHoleNeedsMoreCellsThanItLeaves)
+{
+    const Points points = shapes::with_noise(shapes::sphere(300, 1, 1).points, 0.5, 2);
+    const std::vector<double> weights(points.size(), 0);
+    const Triangulation whole = triangulate(points, weights);
+    std::vector<char> is_on_hull(points.size(), 0);
+    for (std::size_t c = std::size_t(whole.finite_cells); c < whole.cells.size(); ++c)
+        for (const int v : whole.cells[c].vertices)
+            if (v != Triangulation::infinite)
+                is_on_hull[v] = 1;
+    std::vector<int> greedy, modest; // alone, they would need more cells, or not
+    for (int v = 0; v < int(points.size()); ++v)
+    {
+        Triangulation t = whole;
+        if (!is_on_hull[v] && v % 3 == 0)
+            (remove_sites(t, points, weights, {v}) ? modest : greedy).push_back(v);
+    }
+    ASSERT_FALSE(greedy.empty());
+    std::vector<int> removed = greedy;
+    removed.insert(removed.end(), modest.begin(), modest.end());
+    Triangulation t = whole;
+    EXPECT_TRUE(remove_sites(t, points, weights, removed));
+    expect_neighbours_agree(t);
+}
+
 TEST(PowerPredicates, AreExactNearZero)
 {
     // Heights of one unit in the last place decide.
