@@ -166,12 +166,11 @@ void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels
 int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,
                 const std::vector<double>& margins, std::vector<Side>& labels, int threads)
 {
-    constexpr double highest_margin = 0.6;
     constexpr int rounds = 5;
     const int n = int(labels.size());
     std::vector<int> candidates;
     for (int i = 0; i < n; ++i)
-        if (!is_root[i] && is_small[i] && margins[i] < highest_margin)
+        if (!is_root[i] && is_small[i] && margins[i] < doubtful_below)
             candidates.push_back(i);
     std::sort(candidates.begin(), candidates.end(),
               [&](int a, int b) { return margins[a] != margins[b] ? margins[a] < margins[b] : a < b; });

@@ -8,6 +8,9 @@
 namespace recon
 {
 
+/// Margin below which a small ball is doubtful; at 0.8 thin tubes of clean clouds are cut through.
+constexpr double doubtful_below = 0.6;
+
 /// Turns over inner islands and outer voids that hold fewer balls than `share` of the largest inner component.
 /// Hidden balls and the root are left alone. `threads` >= 1 here and below. \returns the number of balls turned.
 int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, double share, std::vector<Side>& labels,
@@ -18,9 +21,9 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
 void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<double>& margins, double share,
                    std::vector<int>& doubtful, int threads = 1);
 
-/// Cuts handles and fills tunnels that hang on one doubtful small ball: a small ball on the interface with a margin below 0.6
-/// (at 0.8 thin tubes of clean clouds are cut through) takes the other side if its neighbours on its own side fall into several
-/// pieces, more than those of the other side, and stay connected without it. Lowest margin first, in five rounds at most.
+/// Cuts handles and fills tunnels that hang on one doubtful small ball: on the interface it takes the other side if its
+/// neighbours on its own side fall into several pieces, more than those of the other side, and stay connected without it.
+/// Lowest margin first, in five rounds at most.
 /// \returns the number of balls turned.
 int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,
                 const std::vector<double>& margins, std::vector<Side>& labels, int threads = 1);

@@ -26,6 +26,9 @@ constexpr double flooded_above = 0.15;
 /// Parts of the inside with fewer balls, in shares of the largest part, are noise.
 constexpr double island_share = 0.02;
 
+/// Radius below which a ball may be noise [local scales].
+constexpr double small_below = 2;
+
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real holes to
 /// the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the cloud, attraction is
 /// overrated: across a flat with samples on its rim only, the density of the rim asks for samples that nobody took.
@@ -114,24 +117,27 @@ ShortHandleOptions options_for_handles(bool oriented, int threads)
     return options;
 }
 
-} // namespace
+/// Polar balls that were kept, what the samples say about them, and how fine the samples are there.
+struct KeptBalls
+{
+    PolarBalls polar;
+    std::vector<double> scale, density; ///< Per ball: means over the samples that it touches.
+    double median_spacing = 0;
+    std::vector<SignedEdge> votes;
+};
 
-LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
-                                const Progress& progress)
+/// Steps 1 to 3. \param samples with the corners of the box.
+KeptBalls keep_balls(const Points& samples, const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
+                     const Progress& progress)
 {
     const bool oriented = !normals.empty();
     const int threads = options.threads;
     times.begin("Delaunay triangulation");
-    const Points free_samples = samples; // without the corners of the box
-    append_box_corners(samples);
-
-    // Step 1.
-    Triangulation delaunay =
-        triangulate_delaunay(samples, progress.part(0, 0.3, "Delaunay triangulation"), threads);
+    Triangulation delaunay = triangulate_delaunay(samples, progress.part(0, 0.85, "Delaunay triangulation"), threads);
+    const Points free_samples(samples.begin(), samples.end() - box_corner_count);
     const BlockSearch search(free_samples);
     const SampleSpacing spacing = measure_spacing(free_samples, search, threads);
 
-    // Steps 2 and 3.
     times.begin("polar balls");
     Poles poles =
         oriented ? find_poles_along_normals(delaunay, samples, normals, threads) : find_poles(delaunay, samples, threads);
@@ -139,98 +145,133 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     const BallScale scale =
         oriented || options.fine ? choose_fine_scale(spacing)
                                  : choose_scale(spacing, free_samples, search, delaunay, poles, options.noise, threads);
-    PolarBalls kept = keep_polar_balls(delaunay, samples, poles,
-                                       [&](double radius, const std::array<int, 4>& touched)
-                                       {
-                                           return radius >= (options.ball_threshold > 0
-                                                                 ? options.ball_threshold
-                                                                 : average_over(touched, scale.threshold));
-                                       });
-    std::vector<double> ball_scale = average_over_touched(kept, scale.scale);
-    const std::vector<double> ball_density = average_over_touched(kept, scale.density);
+    KeptBalls result;
+    result.polar = keep_polar_balls(delaunay, samples, poles,
+                                    [&](double radius, const std::array<int, 4>& touched)
+                                    {
+                                        return radius >= (options.ball_threshold > 0 ? options.ball_threshold
+                                                                                     : average_over(touched, scale.threshold));
+                                    });
     delaunay = Triangulation();
-    progress.part(0.3, 0.35, "polar balls").report(1);
+    result.scale = average_over_touched(result.polar, scale.scale);
+    result.density = average_over_touched(result.polar, scale.density);
+    result.median_spacing = scale.median_spacing;
+    result.votes = list_opposite_votes(samples, result.polar, search, threads);
+    progress.report(1);
+    return result;
+}
 
-    // Step 4.
-    times.begin("power diagram");
-    PowerDiagram diagram(kept.balls);
-    Triangulation regular = diagram.triangulation(threads, progress.part(0.35, 0.6, "power diagram"));
-    const std::vector<SignedEdge> votes = list_opposite_votes(samples, kept, search, threads);
-
-    // Step 5.
-    times.begin("labels");
+/// Attractions between neighbouring balls, pairs that are certain, and the roots.
+SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept, bool oriented, const BallLabellingOptions& options,
+                       const Progress& progress)
+{
     BallAttractionOptions attraction_options;
     attraction_options.deep_intersection = options.deep_intersection;
-    attraction_options.threads = threads;
+    attraction_options.threads = options.threads;
     if (oriented)
         attraction_options.merge_above = 2; // normals settle what the shortcut would decide at once
-    BallAttraction attraction = weigh_attraction(regular, kept.balls, ball_density, attraction_options,
-                                                 progress.part(0.6, 0.75, "attraction of balls"));
+    BallAttraction attraction = weigh_attraction(regular, kept.polar.balls, kept.density, attraction_options, progress);
     SignedGraph graph;
-    graph.nodes = int(kept.balls.size());
+    graph.nodes = int(kept.polar.balls.size());
     graph.edges = std::move(attraction.edges);
     graph.merged = std::move(attraction.merged);
-    for (const auto& pair : pair_hidden_balls(regular, kept.balls))
+    for (const auto& pair : pair_hidden_balls(regular, kept.polar.balls))
     {
         graph.merged.push_back(pair);
         graph.edges.push_back({pair[0], pair[1], certain});
     }
-    graph.is_root = kept.is_outside;
+    graph.is_root = kept.polar.is_outside;
     for (int i = 0; i < graph.nodes; ++i)
         graph.is_root[i] |= attraction.is_on_hull[i];
+    return graph;
+}
+
+/// Labels by attraction, votes and, where given, normals. The votes join the edges of `graph`.
+/// \returns the share of the votes that the labels contradict.
+double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samples, const Vectors& normals,
+                   const BallLabellingOptions& options, std::vector<Side>& labels)
+{
+    const bool oriented = !normals.empty();
     const std::size_t attractions = graph.edges.size();
-    std::vector<Side> labels;
     double violated = 1;
     for (const double strength : {oriented ? oriented_vote : free_vote, flooded_vote})
     {
         graph.edges.resize(attractions);
         if (oriented)
-            labels = label_by_minimum_cut(graph, tie_to_normals(kept, samples, normals, strength));
-        for (const SignedEdge& vote : votes)
+            labels = label_by_minimum_cut(graph, tie_to_normals(kept.polar, samples, normals, strength));
+        for (const SignedEdge& vote : kept.votes)
             graph.edges.push_back({vote.a, vote.b, strength * vote.weight});
         if (oriented)
-            improve_labels(graph, labels, threads);
+            improve_labels(graph, labels, options.threads);
         else
-            labels = label_by_best(graph, threads);
-        violated = measure_violated_repulsion(votes, labels).share();
+            labels = label_by_best(graph, options.threads);
+        violated = measure_violated_repulsion(kept.votes, labels).share();
         // What a user asked for is not talked round.
         if (violated <= flooded_above || options.ball_threshold > 0 || options.deep_intersection > 0)
             break;
     }
-    progress.part(0.75, 0.85, "labels").report(1);
+    return violated;
+}
 
-    times.begin("repair");
+/// Drops doubtful balls, absorbs islands, removes doubtful and short handles.
+void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads)
+{
     // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls are
     // doubtful.
-    const std::vector<double> margins = measure_margins(graph, labels);
-    std::vector<char> is_small(kept.balls.size());
+    const std::vector<double> margins = measure_margins(graph, balls.labels);
+    std::vector<char> is_small(balls.labels.size());
     std::vector<int> doubtful;
     for (int i = 0; i < graph.nodes; ++i)
     {
-        is_small[i] = kept.balls[i].radius < 2 * ball_scale[i];
-        if (is_small[i] && margins[i] < 0.6 && !kept.is_outside[i])
+        is_small[i] = balls.kept.balls[i].radius < small_below * balls.scale[i];
+        if (is_small[i] && margins[i] < doubtful_below && !balls.kept.is_outside[i])
             doubtful.push_back(i);
     }
-    spare_bridges(regular, labels, margins, island_share, doubtful, threads);
+    spare_bridges(balls.regular, balls.labels, margins, island_share, doubtful, threads);
     if (!doubtful.empty())
-        diagram.remove(doubtful, regular, threads);
+        balls.diagram.remove(doubtful, balls.regular, threads);
     // The second round sees what the first joined.
-    for (int round = 0; round < 2 && absorb_islands(regular, graph.is_root, island_share, labels, threads) > 0; ++round)
+    for (int round = 0; round < 2 && absorb_islands(balls.regular, graph.is_root, island_share, balls.labels, threads) > 0; ++round)
         continue;
-    cut_handles(regular, graph.is_root, is_small, margins, labels, threads);
+    cut_handles(balls.regular, graph.is_root, is_small, margins, balls.labels, threads);
     // Removal can bring other balls to the hull; outside is all that is known there.
-    for (std::size_t c = std::size_t(regular.finite_cells); c < regular.cells.size(); ++c)
-        for (const int v : regular.cells[c].vertices)
+    for (std::size_t c = std::size_t(balls.regular.finite_cells); c < balls.regular.cells.size(); ++c)
+        for (const int v : balls.regular.cells[c].vertices)
             if (v != Triangulation::infinite)
             {
-                labels[v] = Side::outer;
+                balls.labels[v] = Side::outer;
                 graph.is_root[v] = 1;
             }
-    remove_short_handles(regular, graph, kept.balls, ball_scale, margins, options_for_handles(oriented, threads), labels);
+    remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins, options_for_handles(oriented, threads),
+                         balls.labels);
+}
+
+} // namespace
+
+LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
+                                const Progress& progress)
+{
+    const bool oriented = !normals.empty();
+    append_box_corners(samples);
+    KeptBalls kept = keep_balls(samples, normals, options, times, progress.part(0, 0.35, "polar balls"));
+
+    times.begin("power diagram");
+    PowerDiagram diagram(kept.polar.balls);
+    Triangulation regular = diagram.triangulation(options.threads, progress.part(0.35, 0.6, "power diagram"));
+
+    times.begin("labels");
+    SignedGraph graph = link_balls(regular, kept, oriented, options, progress.part(0.6, 0.75, "attraction of balls"));
+    std::vector<Side> labels;
+    const double violated = label_balls(graph, kept, samples, normals, options, labels);
+    progress.part(0.75, 0.85, "labels").report(1);
+
+    times.begin("repair");
+    LabelledBalls result{std::move(kept.polar), std::move(diagram),  std::move(regular), std::move(labels),
+                         std::move(kept.scale), kept.median_spacing, violated};
+    repair(result, graph, oriented, options.threads);
     progress.part(0.85, 1, "repair").report(1);
     times.end();
-    return {std::move(kept),       std::move(diagram), std::move(regular), std::move(labels), std::move(ball_scale),
-            scale.median_spacing, violated};
+    return result;
 }
 
 } // namespace recon
