@@ -17,9 +17,12 @@ namespace recon
 namespace
 {
 
-/// Above this share of flat neighbours the projection gains less than its width costs at bends. Measured: clean clouds
-/// 0.82 to 1 (but for the coarsest), with noise of a sixth to a third of the spacing 0.56 to 0.84.
-constexpr double exact_share = 0.8;
+/// Share of flat neighbours above which a cloud may be exact: clean clouds have 0.82 to 1 (but for the coarsest), those
+/// with noise of a sixth of the spacing 0.75 to 0.86, of a third 0.56 to 0.6.
+constexpr double flat_share = 0.8;
+/// Noise between these makes it noisy all the same [spacings, see NoiseEstimate::least_noise()]. Clean clouds have up
+/// to 0.094; more than the upper one leaves no flat neighbours, so thin walls read as noise there.
+constexpr double least_noise = 0.1, walls = 0.4;
 /// Above this share of violated votes the outside floods an open cloud, and points need the surface's normals.
 constexpr double flooded_votes = 0.15;
 
@@ -66,18 +69,19 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     Points distinct;
     for (const int i : order_spatially(points).order)
         distinct.push_back(frame.to_unit(points[i]));
-    const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
-    // Clean points are themselves the best samples: of walls thinner than the width no other are left.
+    // Exact points are themselves the best samples: walls thinner than the width have no other.
     std::optional<LabelledSamples> found;
-    if (options.noise == 0 && cleanness.is_clean())
+    const double noise = surface.report().least_noise;
+    if (options.noise == 0 && (noise < least_noise || noise > walls) &&
+        measure_cleanness(distinct, labelling.threads).flat_neighbours > flat_share)
     {
         LabelledBalls labelled =
             label_polar_balls(distinct, {}, labelling, times, progress.part(0.3, 0.5, "polar balls"));
         if (labelled.violated_votes <= flooded_votes)
             found = LabelledSamples{std::move(distinct), std::move(labelled)};
     }
-    const bool is_exact = found && cleanness.flat_neighbours > exact_share;
-    if (!found)
+    const bool is_exact = found.has_value();
+    if (!is_exact)
         found = label_surface(points, frame, surface, labelling, times, result.outliers, progress.part(0.5, 0.75));
     result.samples = int(found->samples.size());
     result.violated_votes = found->labelled.violated_votes;

@@ -256,6 +256,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
 
     AmlsSurfaceReport& report = data->report;
     report.noise = frame.scale() * noise.median_sigma();
+    report.least_noise = noise.least_noise();
     report.spacing = frame.scale() * noise.median_spacing();
     report.width = frame.scale() * median(widths);
     report.rho_e = median(equivalent);

@@ -78,6 +78,15 @@ double NoiseEstimate::median_spacing() const
 {
     return 1 / std::sqrt(median(density()));
 }
+double NoiseEstimate::least_noise() const
+{
+    std::vector<double> relative(sigma().size());
+    for (std::size_t i = 0; i < relative.size(); ++i)
+        relative[i] = sigma()[i] * std::sqrt(density()[i]);
+    const auto tenth = relative.begin() + std::ptrdiff_t(relative.size() / 10);
+    std::nth_element(relative.begin(), tenth, relative.end());
+    return *tenth;
+}
 
 namespace
 {

@@ -37,6 +37,9 @@ public:
     double spacing_at(const Point& query) const;
     double median_sigma() const;   ///< Over the seeds [length].
     double median_spacing() const; ///< Over the seeds [length].
+    /// Noise that nine of ten seeds exceed [spacings of the place]: corners and thin walls read as noise, but seldom
+    /// everywhere.
+    double least_noise() const;
 
 private:
     struct Data;

@@ -53,6 +53,16 @@ TEST(EstimateNoise, IsNearlyZeroWithoutNoise)
     }
 }
 
+TEST(EstimateNoise, LeastNoiseIsThatOfTheFaces)
+{
+    // Few points a side: most places see an edge.
+    const Points box = shapes::box(450, Vector(1, 1.5, 2), 5).points;
+    EXPECT_GT(estimate_noise(box).median_sigma(), 0.1 * estimate_noise(box).median_spacing());
+    EXPECT_LT(estimate_noise(box).least_noise(), 0.02);
+    const double spacing = std::sqrt(2 * (1.5 + 2 + 3) / 450);
+    EXPECT_GT(estimate_noise(shapes::with_noise(box, 0.2 * spacing, 6)).least_noise(), 0.12);
+}
+
 TEST(EstimateNoise, FollowsNoiseThatVaries)
 {
     // Half of the sphere is four times as noisy.
