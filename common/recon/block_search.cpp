@@ -120,17 +120,23 @@ void collect_candidates(const Tree& tree, const double* q, double limit, std::ve
 RECON_VECTOR_CLONES
 void collect_within(const Tree& tree, const double* q, double limit, std::vector<int>* indices)
 {
+    constexpr int room = 64 * fan;
+    int found[room], count = 0;
     visit_leaves(tree, q, limit,
                  [&](int first, const double* d) RECON_INLINE_LAMBDA
                  {
-                     int found[fan], count = 0;
+                     if (count > room - fan)
+                     {
+                         indices->insert(indices->end(), found, found + count);
+                         count = 0;
+                     }
                      for (int j = 0; j < fan; ++j)
                      {
                          found[count] = first + j;
                          count += d[j] <= limit;
                      }
-                     indices->insert(indices->end(), found, found + count);
                  });
+    indices->insert(indices->end(), found, found + count);
 }
 
 } // namespace
