@@ -124,10 +124,11 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     if (denoised ? !first->cloud.is_doubtful : violated <= suspicious_votes)
         return std::move(*first);
     Mismatch mismatch = attempts.measure(*first);
-    const bool is_flooded = violated > flooded_votes;
+    const auto misses_points = [&] { return mismatch.missed_points > bearable_miss; };
+    const bool is_flooded = !denoised && violated > flooded_votes;
     // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is full.
-    const bool may_be_filled = mismatch.bare_area > bearable_bare && (denoised || !is_flooded);
-    if (may_be_filled && points.size() <= most_points_twice)
+    const bool loses_walls = mismatch.bare_area > bearable_bare || (denoised && misses_points());
+    if (loses_walls && !is_flooded && points.size() <= most_points_twice)
     {
         LabelledCloud fine = attempts.label_fine(first->cloud, progress.part(0.7, 0.8, "fine balls"));
         const Mismatch own = attempts.measure(fine);
@@ -138,7 +139,7 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
             mismatch = own;
         }
     }
-    if (denoised || (mismatch.missed_points <= bearable_miss && !is_flooded))
+    if (denoised || (!misses_points() && !is_flooded))
         return std::move(*first);
     if (points.size() > most_points_twice)
         first.reset();
