@@ -37,6 +37,12 @@ void append_scale(BallScale& result, double scale, double count, double factor)
     result.threshold.push_back(factor * scale);
 }
 
+/// About the distance within which member i has `count` neighbours, as a start for searches.
+double guess_reach(const SampleSpacing& spacing, std::size_t i, double count)
+{
+    return 1.15 * spacing.fine[i] * std::sqrt(count / fine_count);
+}
+
 /// sqrt(2 x mean squared distance) of the nearest, the first of which is the sample itself.
 double spread(const double* squared, int count)
 {
@@ -76,7 +82,8 @@ std::vector<double> measure_coarse(const SampleSpacing& spacing, const std::vect
                          return;
                      int indices[coarse_count + 1];
                      double squared[coarse_count + 1];
-                     const int count = search.nearest(samples[spacing.subset[i]], coarse_count + 1, indices, squared);
+                     double reach = guess_reach(spacing, i, coarse_count);
+                     const int count = search.nearest(samples[spacing.subset[i]], coarse_count + 1, indices, squared, reach);
                      raw[i] = spread(squared, count);
                  });
     parallel_for(coarse.size(), threads, {},
@@ -151,6 +158,7 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
     const bool is_flat_cloud = std::accumulate(flat.begin(), flat.end(), 0.0) > flat_cloud * double(m);
     const double flat_limit = is_flat_cloud ? flat_above_in_flat_cloud : flat_above;
     constexpr int around = 24;
+    const double samples_per_member = double(samples.size()) / double(m);
     std::vector<char> is_fine(m);
     parallel_for(m, threads, {},
                  [&](std::size_t i)
@@ -162,7 +170,8 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
                      }
                      int indices[around];
                      double squared[around];
-                     const int found = spacing.search.nearest(samples[spacing.subset[i]], around, indices, squared);
+                     double reach = guess_reach(spacing, i, around * samples_per_member);
+                     const int found = spacing.search.nearest(samples[spacing.subset[i]], around, indices, squared, reach);
                      double cleanness = 0, flatness = 0;
                      for (int j = 0; j < found; ++j)
                      {
