@@ -8,7 +8,6 @@
 #include <recon/spatial_order.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace recon
@@ -23,17 +22,6 @@ constexpr double coarse_noise = 0.2;
 /// Share of flat neighbours above which that is thin walls, not noise: 0.83 on casting, whose walls read as noise of 1.1 spacings,
 /// 0.77 to 0.84 on sheets one spacing thick, 0.68 to 0.74 at a noise of 0.2.
 constexpr double certainly_flat = 0.75;
-
-/// Noise that nine of ten places exceed [spacings].
-double measure_least_noise(const NoiseEstimate& estimate)
-{
-    std::vector<double> relative;
-    for (int i = 0; i < estimate.size(); ++i)
-        relative.push_back(estimate.sigma()[i] * std::sqrt(estimate.density()[i]));
-    const auto tenth = relative.begin() + std::ptrdiff_t(relative.size() / 10);
-    std::nth_element(relative.begin(), tenth, relative.end());
-    return *tenth;
-}
 
 } // namespace
 
@@ -70,7 +58,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         noise_options.threads = options.threads;
         const NoiseEstimate found = estimate_noise(sorted, noise_options, progress.part(0, 0.1, "noise"));
         result.noise = options.noise > 0 ? options.noise : found.median_sigma();
-        result.is_doubtful = cleanness.flat_neighbours < certainly_flat && measure_least_noise(found) > coarse_noise;
+        result.is_doubtful = cleanness.flat_neighbours < certainly_flat && found.least_noise() > coarse_noise;
         result.is_noisy = result.is_doubtful || result.noise > options.bearable_noise * found.median_spacing();
     }
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);

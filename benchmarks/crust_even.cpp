@@ -1,0 +1,139 @@
+// Clouds of even samples on the triangles of models, whatever their vertices: crust_even <samples> <seed> <model.ply>...
+// One Markdown row a cell: without noise, one noisy sample a spot, five noisy samples a spot. Noise in spacings.
+#include "mesh_distance.h"
+#include "models.h"
+
+#include "filter_noisy_powercrust/reconstruct.h"
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <map>
+
+using namespace benchmarks;
+using recon::Point;
+using recon::Points;
+
+namespace
+{
+
+/// Points uniform in area.
+class AreaSampler
+{
+public:
+    AreaSampler(const recon::TriangleMesh& mesh, unsigned seed) : mesh_(mesh), random_(seed)
+    {
+        double sum = 0;
+        for (const auto& t : mesh.triangles)
+            sums_.push_back(sum += 0.5 * side(t, 1).cross(side(t, 2)).norm());
+    }
+    double area() const { return sums_.back(); }
+    Point draw()
+    {
+        const auto at = std::lower_bound(sums_.begin(), sums_.end() - 1, uniform() * area());
+        const auto& t = mesh_.triangles[std::size_t(at - sums_.begin())];
+        const double a = std::sqrt(uniform()), b = uniform();
+        return mesh_.vertices[t[0]] + a * (1 - b) * side(t, 1) + a * b * side(t, 2);
+    }
+
+private:
+    double uniform() { return double(random_() >> 11) * 0x1p-53; }
+    recon::Vector side(const std::array<int, 3>& t, int k) const { return mesh_.vertices[t[k]] - mesh_.vertices[t[0]]; }
+
+    const recon::TriangleMesh& mesh_;
+    shapes::Random random_;
+    std::vector<double> sums_;
+};
+
+/// Poisson disks: of random points those that keep 0.8 spacings from all that were kept.
+Points sample_evenly(AreaSampler& sampler, int samples, double spacing)
+{
+    constexpr int draws_per_sample = 30;
+    const double distance = 0.8 * spacing;
+    std::map<std::array<int, 3>, Points> kept;
+    Points points;
+    for (int i = 0; i < draws_per_sample * samples; ++i)
+    {
+        const Point p = sampler.draw();
+        const auto cell = [&](int k) { return int(std::floor(p[k] / distance)); };
+        bool is_free = true;
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y)
+                for (int z = -1; z <= 1; ++z)
+                    if (const auto found = kept.find({cell(0) + x, cell(1) + y, cell(2) + z}); found != kept.end())
+                        for (const Point& other : found->second)
+                            is_free = is_free && (other - p).norm() >= distance;
+        if (!is_free)
+            continue;
+        kept[{cell(0), cell(1), cell(2)}].push_back(p);
+        points.push_back(p);
+    }
+    return points;
+}
+
+struct Cloud
+{
+    double noise; ///< [spacings]
+    int samples_a_spot;
+};
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    if (argc < 4)
+    {
+        std::fprintf(stderr, "usage: %s <samples> <seed> <model.ply>...\n", argv[0]);
+        return 2;
+    }
+    const int samples = std::atoi(argv[1]);
+    const unsigned seed = unsigned(std::atoi(argv[2]));
+    recon::NoisyPowerCrustOptions options;
+    options.threads = 1;
+    int right = 0, cells = 0;
+    std::printf("| model | noise [spacings] | samples a spot | ok | components | genus / true | volume | RMS [spacings] | denoised | violated votes |\n"
+                "|---|---|---|---|---|---|---|---|---|---|\n");
+    for (int k = 3; k < argc; ++k)
+    {
+        const Model model = load_model(argv[k]);
+        const std::string name = std::filesystem::path(argv[k]).stem().string();
+        const MeshDistance truth(model.mesh);
+        AreaSampler sampler(model.mesh, seed);
+        const double spacing = std::sqrt(sampler.area() / samples);
+        const Points spots = sample_evenly(sampler, samples, spacing);
+        for (const Cloud& cloud : {Cloud{0, 1}, Cloud{0.1, 1}, Cloud{0.2, 1}, Cloud{0.3, 1}, Cloud{0.5, 1}, Cloud{0.3, 5}})
+        {
+            Points points;
+            for (int copy = 0; copy < cloud.samples_a_spot; ++copy)
+                for (const Point& p : shapes::with_noise(spots, cloud.noise * spacing, seed + unsigned(copy)))
+                    points.push_back(p);
+            ++cells;
+            std::printf("| %s | %g | %d | ", name.c_str(), cloud.noise, cloud.samples_a_spot);
+            try
+            {
+                const recon::NoisyPowerCrust crust = recon::reconstruct_noisy_power_crust(points, options);
+                const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+                const double volume = report.volume / model.volume;
+                const bool ok = report.is_closed_oriented_manifold() && report.components == 1 &&
+                                report.genus() == model.genus && std::abs(volume - 1) < 0.03;
+                right += ok;
+                std::printf("%s | %d | %d / %d | %.3f | %.3f | %s | %.3f |\n", ok ? "yes" : "-", report.components, report.genus(),
+                            model.genus, volume, truth.summarise(crust.mesh.vertices).rms / spacing, crust.denoised ? "yes" : "no",
+                            crust.violated_votes);
+            }
+            catch (const std::exception& e)
+            {
+                std::printf("- | %s\n", e.what());
+            }
+            std::fflush(stdout);
+        }
+    }
+    std::printf("\n%d of %d right\n", right, cells);
+}
