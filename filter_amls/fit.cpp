@@ -16,7 +16,7 @@ namespace recon
 namespace
 {
 
-constexpr double least_cosine = 0.25; // of the directions of samples that count with the normal to begin with
+constexpr double least_cosine = 0.35; // of the directions of samples that count with the normal to begin with
 /// Rounds of fitting. Where few good points decide, weights need rounds to find them; else more only add variance.
 constexpr int few_rounds = 2, many_rounds = 4, narrow_rounds = 2;
 constexpr double picky = 1.8;        // sigmas: a robust scale below it lets few points decide
