@@ -25,7 +25,7 @@ struct PnRefineOptions
     int steps = 3;            ///< Refinement steps, each about doubles the points [count], 0 to 30.
     double target_radius = 0; ///< Points with a radius at most this are not refined further [length], >= 0; 0 = off.
     PnNeighbourhood neighbourhood = PnNeighbourhood::automatic;
-    bool fast = false;         ///< The shortcuts of section 7 everywhere: less exact where samples are few.
+    bool fast = false;         ///< The shortcuts of section 7, and nothing but PN triangles; folds stay open.
     double initial_radius = 0; ///< Radius of each point at the start [length], >= 0; 0 = automatic or given per point.
     double hole_radius = 0;    ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
     double boundary_angle = 150;     ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.
@@ -80,7 +80,8 @@ struct PnRefinement
 
 /// Makes an oriented point cloud denser and smooth without moving its points: in every step each point's neighbourhood
 /// is completed by centres of PN triangles (Guennebaud, Barthe, Paulin, "Interpolatory Refinement for Real-Time
-/// Processing of Point-Based Geometry", Eurographics 2005). Points that cannot take part are left out with a warning.
+/// Processing of Point-Based Geometry", Eurographics 2005). Where triangles bend, those of the first step are moved
+/// onto the smooth surface through the samples around. Points that cannot take part are left out with a warning.
 /// Normals of any length > 0. \pre samples.points and samples.normals have the same size. \throws InvalidInput for no
 /// points, a point that is not finite, an option out of range, no usable normal. \throws Cancelled: there is no result.
 PnRefinement refine_points(const OrientedSamples& samples, const PnRefineOptions& options = {},
