@@ -1,4 +1,5 @@
-// Clouds of even samples on the triangles of models, whatever their vertices: crust_even <samples> <seed> <model.ply>...
+// Clouds of even samples on the triangles of models, whatever their vertices:
+// crust_even <samples> <seed> <model.ply>...
 // One Markdown row a cell: without noise, one noisy sample a spot, five noisy samples a spot. Noise in spacings.
 #include "mesh_distance.h"
 #include "models.h"
@@ -98,7 +99,8 @@ int main(int argc, char** argv)
     recon::NoisyPowerCrustOptions options;
     options.threads = 1;
     int right = 0, cells = 0;
-    std::printf("| model | noise [spacings] | samples a spot | ok | components | genus / true | volume | RMS [spacings] | denoised | violated votes |\n"
+    std::printf("| model | noise [spacings] | samples a spot | ok | components | genus / true | volume | RMS "
+                "[spacings] | denoised | violated votes |\n"
                 "|---|---|---|---|---|---|---|---|---|---|\n");
     for (int k = 3; k < argc; ++k)
     {
@@ -108,7 +110,8 @@ int main(int argc, char** argv)
         AreaSampler sampler(model.mesh, seed);
         const double spacing = std::sqrt(sampler.area() / samples);
         const Points spots = sample_evenly(sampler, samples, spacing);
-        for (const Cloud& cloud : {Cloud{0, 1}, Cloud{0.1, 1}, Cloud{0.2, 1}, Cloud{0.3, 1}, Cloud{0.5, 1}, Cloud{0.3, 5}})
+        for (const Cloud& cloud :
+             {Cloud{0, 1}, Cloud{0.1, 1}, Cloud{0.2, 1}, Cloud{0.3, 1}, Cloud{0.5, 1}, Cloud{0.3, 5}})
         {
             Points points;
             for (int copy = 0; copy < cloud.samples_a_spot; ++copy)
@@ -124,9 +127,9 @@ int main(int argc, char** argv)
                 const bool ok = report.is_closed_oriented_manifold() && report.components == 1 &&
                                 report.genus() == model.genus && std::abs(volume - 1) < 0.03;
                 right += ok;
-                std::printf("%s | %d | %d / %d | %.3f | %.3f | %s | %.3f |\n", ok ? "yes" : "-", report.components, report.genus(),
-                            model.genus, volume, truth.summarise(crust.mesh.vertices).rms / spacing, crust.denoised ? "yes" : "no",
-                            crust.violated_votes);
+                std::printf("%s | %d | %d / %d | %.3f | %.3f | %s | %.3f |\n", ok ? "yes" : "-", report.components,
+                            report.genus(), model.genus, volume, truth.summarise(crust.mesh.vertices).rms / spacing,
+                            crust.denoised ? "yes" : "no", crust.violated_votes);
             }
             catch (const std::exception& e)
             {

@@ -34,7 +34,8 @@ constexpr double certain_votes = 0.02;
 class Attempts
 {
 public:
-    Attempts(const Points& points, const SamplePreparationOptions& options, const BallLabellingOptions& labelling, PhaseTimes& times)
+    Attempts(const Points& points, const SamplePreparationOptions& options, const BallLabellingOptions& labelling,
+             PhaseTimes& times)
         : points_(points), options_(options), labelling_(labelling), times_(times)
     {
     }
@@ -74,8 +75,10 @@ private:
         in_units.ball_threshold /= cloud.frame.scale();
         in_units.noise /= cloud.frame.scale();
         in_units.fine = fine;
-        const auto label_samples = [&](double from, double to)
-        { return label_polar_balls(cloud.samples, cloud.normals, in_units, times_, progress.part(from, to, "polar balls")); };
+        const auto label_samples = [&](double from, double to) {
+            return label_polar_balls(cloud.samples, cloud.normals, in_units, times_,
+                                     progress.part(from, to, "polar balls"));
+        };
         LabelledBalls plain = label_samples(0, 0.8);
         if (cloud.denoised && plain.violated_votes > calm_votes)
         {
@@ -91,7 +94,8 @@ private:
         cloud.samples.insert(cloud.samples.end(), cloud.completion.points.begin(), cloud.completion.points.end());
         cloud.normals.insert(cloud.normals.end(), cloud.completion.normals.begin(), cloud.completion.normals.end());
         LabelledBalls completed = label_samples(0.8, 1);
-        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they are.
+        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
+        // are.
         if (completed.violated_votes <= certain_votes || completed.violated_votes <= 0.5 * plain.violated_votes)
         {
             const int count = int(cloud.samples.size() - measured);
@@ -111,11 +115,12 @@ private:
 
 } // namespace
 
-LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options, const BallLabellingOptions& labelling,
-                          PhaseTimes& times, const Progress& progress)
+LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
+                          const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
     Attempts attempts(points, options, labelling, times);
-    std::optional<LabelledCloud> first = attempts.prepare_and_label(options.denoise, progress.part(0, 0.7, "first attempt"));
+    std::optional<LabelledCloud> first =
+        attempts.prepare_and_label(options.denoise, progress.part(0, 0.7, "first attempt"));
     // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
     if (options.denoise != Denoise::automatic || labelling.ball_threshold > 0)
         return std::move(*first);
@@ -148,7 +153,8 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         if (is_flooded ? second.labelled.violated_votes < violated : attempts.measure(second).sum() < mismatch.sum())
             return second;
     }
-    return first ? std::move(*first) : attempts.prepare_and_label(options.denoise, progress.part(0.9, 1, "first attempt again"));
+    return first ? std::move(*first)
+                 : attempts.prepare_and_label(options.denoise, progress.part(0.9, 1, "first attempt again"));
 }
 
 } // namespace recon

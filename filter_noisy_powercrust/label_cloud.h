@@ -16,12 +16,12 @@ struct LabelledCloud
     int completed = 0; ///< Samples put on bare flat faces, the last of the cloud's [count].
 };
 
-/// Prepares the samples and labels their polar balls; where faces are bare, again with these completed, and the labels that
-/// contradict less stay. With Denoise::automatic a result that the points contradict has rivals, and the crust with the smaller
-/// mismatch stays: balls kept by the spacing alone where thin walls looked noisy; of a clean cloud of whose points the crust
-/// misses some (an open scan that outer balls flood, coarse limbs), the denoised one.
+/// Prepares the samples and labels their polar balls; where faces are bare, again with these completed, and the labels
+/// that contradict less stay. With Denoise::automatic a result that the points contradict has rivals, and the crust
+/// with the smaller mismatch stays: balls kept by the spacing alone where thin walls looked noisy; of a clean cloud of
+/// whose points the crust misses some (an open scan that outer balls flood, coarse limbs), the denoised one.
 /// \param labelling with lengths in input units.
-LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options, const BallLabellingOptions& labelling,
-                          PhaseTimes& times, const Progress& progress = {});
+LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
+                          const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress = {});
 
 } // namespace recon

@@ -15,12 +15,12 @@ namespace recon
 namespace
 {
 
-/// Noise above which a cloud is noisy, if it is so nearly everywhere [spacings]. Corners of coarse models read as noise to any
-/// estimate: nine of ten places of clean clouds exceed 0.19 at most (dino.off, 3,916 vertices), those of clouds with one sample a
-/// spot and noise of 0.2 exceed 0.2 to 0.24.
+/// Noise above which a cloud is noisy, if it is so nearly everywhere [spacings]. Corners of coarse models read as noise
+/// to any estimate: nine of ten places of clean clouds exceed 0.19 at most (dino.off, 3,916 vertices), those of clouds
+/// with one sample a spot and noise of 0.2 exceed 0.2 to 0.24.
 constexpr double coarse_noise = 0.2;
-/// Share of flat neighbours above which that is thin walls, not noise: 0.83 on casting, whose walls read as noise of 1.1 spacings,
-/// 0.77 to 0.84 on sheets one spacing thick, 0.68 to 0.74 at a noise of 0.2.
+/// Share of flat neighbours above which that is thin walls, not noise: 0.83 on casting, whose walls read as noise
+/// of 1.1 spacings, 0.77 to 0.84 on sheets one spacing thick, 0.68 to 0.74 at a noise of 0.2.
 constexpr double certainly_flat = 0.75;
 
 } // namespace

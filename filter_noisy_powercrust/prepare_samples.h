@@ -23,10 +23,10 @@ enum class Denoise
 struct SamplePreparationOptions
 {
     Denoise denoise = Denoise::automatic;
-    double noise = 0;          ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
+    double noise = 0;           ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
     bool needs_surface = false; ///< Make the AMLS surface of a noisy cloud even if the samples are not projected.
-    /// Denoise::automatic also denoises above this noise [spacings of the points], >= 0. A crust bears some noise, a medial axis
-    /// grows a twig for every bump.
+    /// Denoise::automatic also denoises above this noise [spacings of the points], >= 0. A crust bears some noise, a
+    /// medial axis grows a twig for every bump.
     double bearable_noise = 1e300;
     int threads = 0; ///< 0 = all cores.
 };

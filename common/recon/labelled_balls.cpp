@@ -29,9 +29,10 @@ constexpr double island_share = 0.02;
 /// Radius below which a ball may be noise [local scales].
 constexpr double small_below = 2;
 
-/// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real holes to
-/// the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the cloud, attraction is
-/// overrated: across a flat with samples on its rim only, the density of the rim asks for samples that nobody took.
+/// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real
+/// holes to the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the
+/// cloud, attraction is overrated: across a flat with samples on its rim only, the density of the rim asks for samples
+/// that nobody took.
 constexpr double free_vote = 1, oriented_vote = 1.5, flooded_vote = 5;
 
 /// Mean over the samples that a ball touches, corners of the box left out.
@@ -57,13 +58,15 @@ std::vector<double> average_over_touched(const PolarBalls& balls, const std::vec
     return result;
 }
 
-/// Each sample ties the ball on its outer side to the outside and the one on its inner side to the inside, as strongly as the
-/// pole lies along the normal, `strength` at most.
-std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& samples, const Vectors& normals, double strength)
+/// Each sample ties the ball on its outer side to the outside and the one on its inner side to the inside, as strongly
+/// as the pole lies along the normal, `strength` at most.
+std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& samples, const Vectors& normals,
+                                        double strength)
 {
     std::vector<TerminalTie> ties;
     for (std::size_t v = 0; v < normals.size(); ++v)
-        for (const int ball : {kept.of_sample[v][0], kept.of_sample[v][1], kept.slant_of_sample[v][0], kept.slant_of_sample[v][1]})
+        for (const int ball :
+             {kept.of_sample[v][0], kept.of_sample[v][1], kept.slant_of_sample[v][0], kept.slant_of_sample[v][1]})
         {
             if (ball < 0)
                 continue;
@@ -76,8 +79,8 @@ std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& sa
     return ties;
 }
 
-/// Pairs each ball that is no vertex of the diagram with the visible one that hides it, if they are nearly the same: on a
-/// sphere thousands of polar balls coincide, one is visible, and the samples' votes must reach it.
+/// Pairs each ball that is no vertex of the diagram with the visible one that hides it, if they are nearly the same: on
+/// a sphere thousands of polar balls coincide, one is visible, and the samples' votes must reach it.
 std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, const std::vector<Ball>& balls)
 {
     const std::vector<char> is_visible = mark_vertices(regular, int(balls.size()));
@@ -107,7 +110,8 @@ std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, 
     return pairs;
 }
 
-/// Without normals a clean coarse cloud's real holes have hardly more evidence than spurious ones: only the least supported go.
+/// Without normals a clean coarse cloud's real holes have hardly more evidence than spurious ones: only the least
+/// supported go.
 ShortHandleOptions options_for_handles(bool oriented, int threads)
 {
     ShortHandleOptions options;
@@ -127,8 +131,8 @@ struct KeptBalls
 };
 
 /// Steps 1 to 3. \param samples with the corners of the box.
-KeptBalls keep_balls(const Points& samples, const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
-                     const Progress& progress)
+KeptBalls keep_balls(const Points& samples, const Vectors& normals, const BallLabellingOptions& options,
+                     PhaseTimes& times, const Progress& progress)
 {
     const bool oriented = !normals.empty();
     const int threads = options.threads;
@@ -139,19 +143,19 @@ KeptBalls keep_balls(const Points& samples, const Vectors& normals, const BallLa
     const SampleSpacing spacing = measure_spacing(free_samples, search, threads);
 
     times.begin("polar balls");
-    Poles poles =
-        oriented ? find_poles_along_normals(delaunay, samples, normals, threads) : find_poles(delaunay, samples, threads);
+    Poles poles = oriented ? find_poles_along_normals(delaunay, samples, normals, threads)
+                           : find_poles(delaunay, samples, threads);
     find_slant_poles(delaunay, samples, poles, threads);
-    const BallScale scale =
-        oriented || options.fine ? choose_fine_scale(spacing)
-                                 : choose_scale(spacing, free_samples, search, delaunay, poles, options.noise, threads);
+    const BallScale scale = oriented || options.fine
+                                ? choose_fine_scale(spacing)
+                                : choose_scale(spacing, free_samples, search, delaunay, poles, options.noise, threads);
     KeptBalls result;
-    result.polar = keep_polar_balls(delaunay, samples, poles,
-                                    [&](double radius, const std::array<int, 4>& touched)
-                                    {
-                                        return radius >= (options.ball_threshold > 0 ? options.ball_threshold
-                                                                                     : average_over(touched, scale.threshold));
-                                    });
+    result.polar =
+        keep_polar_balls(delaunay, samples, poles,
+                         [&](double radius, const std::array<int, 4>& touched) {
+                             return radius >= (options.ball_threshold > 0 ? options.ball_threshold
+                                                                          : average_over(touched, scale.threshold));
+                         });
     delaunay = Triangulation();
     result.scale = average_over_touched(result.polar, scale.scale);
     result.density = average_over_touched(result.polar, scale.density);
@@ -162,8 +166,8 @@ KeptBalls keep_balls(const Points& samples, const Vectors& normals, const BallLa
 }
 
 /// Attractions between neighbouring balls, pairs that are certain, and the roots.
-SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept, bool oriented, const BallLabellingOptions& options,
-                       const Progress& progress)
+SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept, bool oriented,
+                       const BallLabellingOptions& options, const Progress& progress)
 {
     BallAttractionOptions attraction_options;
     attraction_options.deep_intersection = options.deep_intersection;
@@ -216,8 +220,8 @@ double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samp
 /// Drops doubtful balls, absorbs islands, removes doubtful and short handles.
 void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads)
 {
-    // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls are
-    // doubtful.
+    // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls
+    // are doubtful.
     const std::vector<double> margins = measure_margins(graph, balls.labels);
     std::vector<char> is_small(balls.labels.size());
     std::vector<int> doubtful;
@@ -231,7 +235,8 @@ void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads
     if (!doubtful.empty())
         balls.diagram.remove(doubtful, balls.regular, threads);
     // The second round sees what the first joined.
-    for (int round = 0; round < 2 && absorb_islands(balls.regular, graph.is_root, island_share, balls.labels, threads) > 0; ++round)
+    for (int round = 0;
+         round < 2 && absorb_islands(balls.regular, graph.is_root, island_share, balls.labels, threads) > 0; ++round)
         continue;
     cut_handles(balls.regular, graph.is_root, is_small, margins, balls.labels, threads);
     // Removal can bring other balls to the hull; outside is all that is known there.
@@ -242,14 +247,14 @@ void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads
                 balls.labels[v] = Side::outer;
                 graph.is_root[v] = 1;
             }
-    remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins, options_for_handles(oriented, threads),
-                         balls.labels);
+    remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins,
+                         options_for_handles(oriented, threads), balls.labels);
 }
 
 } // namespace
 
-LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
-                                const Progress& progress)
+LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options,
+                                PhaseTimes& times, const Progress& progress)
 {
     const bool oriented = !normals.empty();
     append_box_corners(samples);
@@ -266,8 +271,13 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     progress.part(0.75, 0.85, "labels").report(1);
 
     times.begin("repair");
-    LabelledBalls result{std::move(kept.polar), std::move(diagram),  std::move(regular), std::move(labels),
-                         std::move(kept.scale), kept.median_spacing, violated};
+    LabelledBalls result{std::move(kept.polar),
+                         std::move(diagram),
+                         std::move(regular),
+                         std::move(labels),
+                         std::move(kept.scale),
+                         kept.median_spacing,
+                         violated};
     repair(result, graph, oriented, options.threads);
     progress.part(0.85, 1, "repair").report(1);
     times.end();

@@ -91,7 +91,8 @@ TEST(ChooseScale, IsFineInASmallHoleOfACleanCloudAndCoarseInItsNoisyPart)
         for (int i = 0; i < around; ++i)
         {
             const double angle = 2 * pi / around * (i + 0.5 * layer);
-            samples.emplace_back(diameter / 2 * std::cos(angle), diameter / 2 * std::sin(angle), layer + 0.5 - thickness / 2);
+            samples.emplace_back(diameter / 2 * std::cos(angle), diameter / 2 * std::sin(angle),
+                                 layer + 0.5 - thickness / 2);
         }
     const std::size_t bore = samples.size();
     for (const Point& p : shapes::with_noisy_copies(sample_plate(thickness, 8), 0.3, 4, 2))
