@@ -48,10 +48,6 @@ RECON_INLINE Lanes zero()
 {
     return Lanes{};
 }
-RECON_INLINE Lanes smaller(Lanes a, Lanes b)
-{
-    return a < b ? a : b;
-}
 
 /// exp(-x) for 0 <= x <= 8 to a relative 1e-6, by a polynomial for exp(-x / 16) and four squarings: no integer
 /// arithmetic, which the older instruction sets lack for 64 bits.
