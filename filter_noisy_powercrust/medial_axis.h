@@ -25,7 +25,7 @@ struct PowerShapeOptions
 {
     MedialSide side = MedialSide::inner;
     double ball_threshold = 0;  ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
-    double object_angle = 60;   ///< Balls whose samples all lie within this angle seen from the centre are dropped [degrees], 0..180.
+    double object_angle = 75;   ///< Balls whose samples all lie within this angle seen from the centre are dropped [degrees], 0..180.
     double redundancy = 0;      ///< Balls that a larger one covers up to this share of their radius are dropped, 0..1. 0 = keep all.
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
     double noise = 0;           ///< Standard deviation of the noise [length], >= 0. 0 = estimate.

@@ -344,7 +344,7 @@ MEDIAL_AXIS = FilterSpec(
     "generate_medial_axis_power_shape",
     [("side", "RichEnum", "inner", ["inner", "outer", "both"]),
      ("ball_threshold", "RichAbsPerc", 0.0, None),
-     ("object_angle", "RichFloat", 60.0, None),
+     ("object_angle", "RichFloat", 75.0, None),
      ("redundancy", "RichFloat", 0.0, None),
      ("denoise", "RichEnum", "automatic", ["automatic", "on", "off"]),
      ("noise", "RichAbsPerc", 0.0, None),
