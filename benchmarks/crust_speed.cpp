@@ -1,7 +1,7 @@
 // Wall-clock time of the noisy power crust beside CGAL's bare Delaunay triangulation of the same points, in one process.
 // Usage: crust_speed <model.ply> [repetitions]
-// Prints for 1 and 2 threads the ratio of the medians, for the whole filter and for the paper's path alone (no denoising,
-// smoothing or simplification), noise-free and with four copies at 0.2 %.
+// Prints for 1 and 2 threads the ratio of the medians, for the whole filter, without smoothing, and for the paper's path alone (no
+// denoising, smoothing or simplification), noise-free and with four copies at 0.2 %.
 #include "bare_delaunay.h"
 #include "median_seconds.h"
 #include "models.h"
@@ -10,6 +10,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 int main(int argc, char** argv)
 {
@@ -25,20 +26,28 @@ int main(int argc, char** argv)
     {
         const recon::Points cloud = benchmarks::noisy_cloud(model, sigma, 21);
         const double bare = benchmarks::median_seconds(repetitions, [&] { benchmarks::time_bare_delaunay(cloud); });
-        for (const bool paper : {false, true})
+        enum class Path
+        {
+            whole,
+            no_smoothing,
+            paper
+        };
+        for (const auto& [path, name] :
+             {std::pair(Path::whole, "default"), std::pair(Path::no_smoothing, "no smoothing"), std::pair(Path::paper, "paper's")})
             for (const int threads : {1, 2})
             {
                 recon::NoisyPowerCrustOptions options;
                 options.threads = threads;
-                if (paper)
+                options.smooth = path == Path::whole;
+                if (path == Path::paper)
                 {
                     options.denoise = recon::Denoise::off;
-                    options.smooth = options.simplify = false;
+                    options.simplify = false;
                 }
                 const double whole =
                     benchmarks::median_seconds(repetitions, [&] { recon::reconstruct_noisy_power_crust(cloud, options); });
                 std::printf("| %.1f | %zu | %s | %d | %.2f | %.2f | %.1f |\n", sigma, cloud.size(),
-                            paper ? "paper's" : "default", threads, bare, whole, whole / bare);
+                            name, threads, bare, whole, whole / bare);
             }
     }
 }
