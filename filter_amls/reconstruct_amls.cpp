@@ -23,8 +23,6 @@ constexpr double flat_share = 0.8;
 /// Noise between these makes it noisy all the same [spacings, see NoiseEstimate::least_noise()]. Clean clouds have up
 /// to 0.094; more than the upper one leaves no flat neighbours, so thin walls read as noise there.
 constexpr double least_noise = 0.1, walls = 0.4;
-/// Above this share of violated votes the outside floods an open cloud, and points need the surface's normals.
-constexpr double flooded_votes = 0.15;
 
 /// What a crust is made of, in the unit frame.
 struct LabelledSamples
@@ -77,7 +75,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     {
         LabelledBalls labelled =
             label_polar_balls(distinct, {}, labelling, times, progress.part(0.3, 0.5, "polar balls"));
-        if (labelled.violated_votes <= flooded_votes)
+        if (labelled.violated_votes <= flooded_above) // else points need the surface's normals
             found = LabelledSamples{std::move(distinct), std::move(labelled)};
     }
     const bool is_exact = found.has_value();

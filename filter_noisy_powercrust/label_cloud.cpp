@@ -14,8 +14,6 @@ namespace
 
 /// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
 constexpr double suspicious_votes = 0.01;
-/// Above this share the outside floods the surface, which then has handles by the hundred and misses nothing.
-constexpr double flooded_votes = 0.15;
 /// Share of points that a right surface may miss, at ears and folds.
 constexpr double bearable_miss = 0.01;
 /// Share of the area without points above which a hollow may have been closed over.
@@ -130,7 +128,7 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         return std::move(*first);
     Mismatch mismatch = attempts.measure(*first);
     const auto misses_points = [&] { return mismatch.missed_points > bearable_miss; };
-    const bool is_flooded = !denoised && violated > flooded_votes;
+    const bool is_flooded = !denoised && violated > flooded_above;
     // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is full.
     const bool loses_walls = mismatch.bare_area > bearable_bare || (denoised && misses_points());
     if (loses_walls && !is_flooded && points.size() <= most_points_twice)

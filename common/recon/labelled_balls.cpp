@@ -20,9 +20,6 @@ namespace
 /// Weight, in samples, of what leaves no doubt.
 constexpr double certain = 1e3;
 
-/// Above this share of violated votes labels are not to be trusted. Right results had up to 0.07, floods 0.2 to 0.9.
-constexpr double flooded_above = 0.15;
-
 /// Parts of the inside with fewer balls, in shares of the largest part, are noise.
 constexpr double island_share = 0.02;
 
