@@ -4,6 +4,7 @@
 #include "mesh_distance.h"
 #include "models.h"
 
+#include "filter_noisy_powercrust/keep_apart.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
@@ -16,7 +17,6 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <map>
 
 using namespace benchmarks;
 using recon::Point;
@@ -57,26 +57,10 @@ private:
 Points sample_evenly(AreaSampler& sampler, int samples, double spacing)
 {
     constexpr int draws_per_sample = 30;
-    const double distance = 0.8 * spacing;
-    std::map<std::array<int, 3>, Points> kept;
-    Points points;
+    Points draws;
     for (int i = 0; i < draws_per_sample * samples; ++i)
-    {
-        const Point p = sampler.draw();
-        const auto cell = [&](int k) { return int(std::floor(p[k] / distance)); };
-        bool is_free = true;
-        for (int x = -1; x <= 1; ++x)
-            for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z)
-                    if (const auto found = kept.find({cell(0) + x, cell(1) + y, cell(2) + z}); found != kept.end())
-                        for (const Point& other : found->second)
-                            is_free = is_free && (other - p).norm() >= distance;
-        if (!is_free)
-            continue;
-        kept[{cell(0), cell(1), cell(2)}].push_back(p);
-        points.push_back(p);
-    }
-    return points;
+        draws.push_back(sampler.draw());
+    return recon::points_at(recon::keep_apart(draws, std::vector<double>(draws.size(), 0.8 * spacing)), draws);
 }
 
 struct Cloud

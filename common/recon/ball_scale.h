@@ -3,7 +3,6 @@
 #include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/polar_balls.h>
-#include <recon/progress.h>
 
 #include <array>
 #include <vector>

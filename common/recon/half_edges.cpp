@@ -19,20 +19,19 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
     const auto for_all = [&](auto&& call)
     {
         parallel_shares(mesh.vertices.size(), threads,
-                        [&](std::size_t begin, std::size_t end)
+                        [&](const Share& own)
                         {
-                            const auto is_own = [&](int v) { return std::size_t(v) - begin < end - begin; };
                             for (int t = 0; t < int(triangles.size()); ++t)
                                 for (int k = 0; k < 3; ++k)
-                                    call(4 * t + k, triangles[t][k], triangles[t][k == 2 ? 0 : k + 1], is_own);
+                                    call(4 * t + k, triangles[t][k], triangles[t][k == 2 ? 0 : k + 1], own);
                         });
     };
     for_all(
-        [&](int h, int a, int b, const auto& is_own)
+        [&](int h, int a, int b, const Share& own)
         {
-            if (is_own(std::min(a, b)))
+            if (own.has(std::min(a, b)))
                 ++first[std::min(a, b) + 1];
-            if (!is_own(a))
+            if (!own.has(a))
                 return;
             ++degree[a];
             result.outgoing[a] = h;
@@ -47,9 +46,9 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
     std::vector<Side> at_lower(3 * triangles.size());
     std::vector<int> next(first.begin(), first.end() - 1);
     for_all(
-        [&](int h, int a, int b, const auto& is_own)
+        [&](int h, int a, int b, const Share& own)
         {
-            if (is_own(std::min(a, b)))
+            if (own.has(std::min(a, b)))
                 at_lower[next[std::min(a, b)]++] = {h, std::max(a, b), a < b};
         });
 

@@ -71,11 +71,12 @@ void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progre
         progress.report(1); // also where the helpers took every chunk: whoever wants to stop is asked
 }
 
-void parallel_shares(std::size_t n, int threads, const std::function<void(std::size_t begin, std::size_t end)>& body)
+void parallel_shares(std::size_t n, int threads, const std::function<void(const Share& share)>& body)
 {
     constexpr int most = 8;
     const std::size_t shares = std::size_t(std::clamp(threads, 1, most));
-    parallel_chunks(n, threads, std::max<std::size_t>(1, (n + shares - 1) / shares), {}, body);
+    parallel_chunks(n, threads, std::max<std::size_t>(1, (n + shares - 1) / shares), {},
+                    [&](std::size_t begin, std::size_t end) { body({begin, end}); });
 }
 
 void parallel_invoke(int threads, const std::function<void()>& first, const std::function<void()>& second)

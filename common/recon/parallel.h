@@ -32,9 +32,22 @@ void parallel_for(std::size_t n, int threads, const Progress& progress, Body&& b
                     });
 }
 
-/// Calls body(begin, end) for one share of [0, n) per thread (eight at most): for work in which each thread goes through all input and
-/// keeps what belongs to its share. The result must not depend on how the shares are cut.
-void parallel_shares(std::size_t n, int threads, const std::function<void(std::size_t begin, std::size_t end)>& body);
+/// Part of [0, n).
+struct Share
+{
+    std::size_t begin, end;
+    bool has(int i) const { return std::size_t(i) - begin < end - begin; } ///< False for what is negative.
+};
+
+/// Calls body(share) for one share of [0, n) per thread (eight at most): for work in which each thread goes through all
+/// input and keeps what belongs to its share. The result must not depend on how the shares are cut.
+void parallel_shares(std::size_t n, int threads, const std::function<void(const Share& share)>& body);
+
+/// Adds to what several threads add to at once. \returns what it was before.
+inline int fetch_add(int& sum, int value)
+{
+    return __atomic_fetch_add(&sum, value, __ATOMIC_RELAXED);
+}
 
 /// Runs `first` on the caller's thread and, with more than one thread, `second` beside it; otherwise one after the other.
 /// \throws what `first` throws, else what `second` throws, after both have ended.

@@ -60,7 +60,7 @@ Triangulation RegularTriangulation::flatten(const Points& points, const std::vec
         [&](std::size_t i)
         {
             if (bucket[i] != none)
-                __atomic_fetch_add(&first[bucket[i] + 1], 1, __ATOMIC_RELAXED);
+                fetch_add(first[bucket[i] + 1], 1);
         },
         grain);
     std::partial_sum(first.begin(), first.end(), first.begin());
@@ -72,7 +72,7 @@ Triangulation RegularTriangulation::flatten(const Points& points, const std::vec
         [&](std::size_t i)
         {
             if (bucket[i] != none)
-                order[__atomic_fetch_add(&next[bucket[i]], 1, __ATOMIC_RELAXED)] = int(i);
+                order[fetch_add(next[bucket[i]], 1)] = int(i);
         },
         grain);
 

@@ -149,14 +149,13 @@ struct Rows
         const auto for_all = [&](auto&& call)
         {
             parallel_shares(std::size_t(graph.nodes), threads,
-                            [&](std::size_t begin, std::size_t end)
+                            [&](const Share& own)
                             {
-                                const auto is_own = [&](int node) { return std::size_t(node) - begin < end - begin; };
                                 for (const SignedEdge& e : graph.edges)
                                 {
-                                    if (is_own(e.a))
+                                    if (own.has(e.a))
                                         call(e.a, e.b, e.weight);
-                                    if (is_own(e.b))
+                                    if (own.has(e.b))
                                         call(e.b, e.a, e.weight);
                                 }
                             });

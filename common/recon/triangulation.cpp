@@ -60,12 +60,12 @@ CellsAtVertices list_cells_at_vertices(const Triangulation& triangulation, int v
     const auto for_all = [&](auto&& call)
     {
         parallel_shares(std::size_t(vertex_count), threads,
-                        [&](std::size_t begin, std::size_t end)
+                        [&](const Share& own)
                         {
                             // The infinite vertex, being negative, is nobody's.
                             for (std::size_t c = 0; c < triangulation.cells.size(); ++c)
                                 for (const int v : triangulation.cells[c].vertices)
-                                    if (std::size_t(v) - begin < end - begin)
+                                    if (own.has(v))
                                         call(v, int(c));
                         });
     };

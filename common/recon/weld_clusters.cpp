@@ -28,11 +28,6 @@ void for_each_polygon(const CrustPolygons& polygons, int threads, Function&& cal
     parallel_for(polygons.first.size() - 1, threads, {}, call, grain);
 }
 
-void add(int& sum, int value)
-{
-    __atomic_fetch_add(&sum, value, __ATOMIC_RELAXED);
-}
-
 /// Per vertex the lowest vertex of its cluster.
 std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<double>& scale, int threads)
 {
@@ -57,7 +52,7 @@ std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<
 std::vector<int> count_euler_characteristics(const CrustPolygons& polygons, const std::vector<int>& cluster, int threads)
 {
     std::vector<int> twice(cluster.size(), 0);
-    parallel_for(cluster.size(), threads, {}, [&](std::size_t i) { add(twice[cluster[i]], 2); }, grain);
+    parallel_for(cluster.size(), threads, {}, [&](std::size_t i) { fetch_add(twice[cluster[i]], 2); }, grain);
     for_each_polygon(polygons, threads,
                      [&](std::size_t p)
                      {
@@ -68,10 +63,10 @@ std::vector<int> count_euler_characteristics(const CrustPolygons& polygons, cons
                                        {
                                            inside = inside && cluster[a] == own;
                                            if (cluster[a] == cluster[b])
-                                               add(twice[cluster[a]], -1);
+                                               fetch_add(twice[cluster[a]], -1);
                                        });
                          if (inside)
-                             add(twice[own], 2);
+                             fetch_add(twice[own], 2);
                      });
     for (int& value : twice)
         value /= 2;
