@@ -76,7 +76,8 @@ RichParameterList rich_parameters(const FilterSpec& spec, const MeshDocument& do
     {
         const QString name = QString::fromStdString(p.name);
         const QString label = QString::fromStdString(p.label);
-        const QString tooltip = QString::fromStdString(p.tooltip);
+        // As rich text, since Qt breaks the lines of no other tooltip.
+        const QString tooltip = "<p>" + QString::fromStdString(p.tooltip).toHtmlEscaped() + "</p>";
         switch (p.kind)
         {
         case ParameterKind::number:

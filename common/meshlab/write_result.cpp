@@ -2,6 +2,9 @@
 
 #include "read_layer.h"
 
+#include <Eigen/Geometry>
+
+#include <cmath>
 #include <set>
 #include <stdexcept>
 
@@ -98,6 +101,34 @@ std::vector<T> values_of_sources(const std::vector<T>& input, const std::vector<
 
 constexpr Colour white = {255, 255, 255, 255};
 
+/// Sets the faces' normals and, on request, the vertices': the mean of their faces', weighted by the angle there. As
+/// vcglib does, but in double precision and free of scale: squares of float coordinates overflow from 1e19.
+void update_normals(CMeshO& mesh, bool of_vertices)
+{
+    std::vector<recon::Vector> sums(of_vertices ? mesh.vert.size() : 0, recon::Vector::Zero());
+    for (CFaceO& face : mesh.face)
+    {
+        if (face.IsD())
+            continue;
+        std::array<recon::Vector, 3> edges; // edges[i] leads from corner i to the next
+        for (int i = 0; i < 3; ++i)
+            edges[i] = to_point(face.cP((i + 1) % 3)) - to_point(face.cP(i));
+        for (recon::Vector& edge : edges)
+            edge.stableNormalize();
+        recon::Vector normal = edges[0].cross(edges[1]);
+        normal.stableNormalize();
+        face.N() = from_point(normal);
+        if (of_vertices)
+            for (int i = 0; i < 3; ++i)
+            {
+                const recon::Vector &out = edges[i], in = -edges[(i + 2) % 3];
+                sums[vcg::tri::Index(mesh, face.V(i))] += std::atan2(out.cross(in).norm(), out.dot(in)) * normal;
+            }
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        mesh.vert[i].N() = from_point(sums[i].stableNormalized());
+}
+
 void fill_layer(MeshModel& model, const NewLayer& layer, const InputLayer& input, const Matrix44m& transform)
 {
     CMeshO& mesh = model.cm;
@@ -135,12 +166,7 @@ void fill_layer(MeshModel& model, const NewLayer& layer, const InputLayer& input
                 model.updateDataMask(MeshModel::MM_POLYGONAL);
                 break;
             }
-        vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(mesh);
-        if (layer.normals.empty())
-        {
-            vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(mesh);
-            vcg::tri::UpdateNormal<CMeshO>::NormalizePerVertex(mesh);
-        }
+        update_normals(mesh, layer.normals.empty());
     }
     if (!layer.edges.empty())
     {
@@ -197,8 +223,8 @@ void change_vertices(MeshModel& model, const ChangedVertices& changed)
     values.radii = &changed.radii;
     values.selected = &changed.selected;
     write_values(model, vertices, values);
-    if (!changed.points.empty() && mesh.fn > 0)
-        vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(mesh);
+    if (!changed.points.empty())
+        update_normals(mesh, false);
 }
 
 void remove_vertices(MeshModel& model, const std::vector<int>& removed)

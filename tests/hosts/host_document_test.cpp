@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace
@@ -42,6 +43,11 @@ MeshModel& add_layer(MeshDocument& document)
 recon::TriangleMesh tetrahedron()
 {
     return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}, {1, 2, 4, 0}};
+}
+
+recon::Vector to_vector(const Point3m& p)
+{
+    return {double(p[0]), double(p[1]), double(p[2])};
 }
 
 int number_of_layers(const MeshDocument& document)
@@ -210,6 +216,28 @@ TEST(HostDocument, NewLayerHasFacesFauxEdgesNormalsAndTheTransform)
     EXPECT_FALSE(made.hasDataMask(MeshModel::MM_VERTCOLOR));
 }
 
+TEST(HostDocument, NormalsDoNotDependOnTheScale)
+{
+    for (const double scale : {1e-30, 1.0, 1e30}) // in single precision the squares of both ends are lost
+    {
+        MeshDocument document;
+        add_layer(document);
+        plugin::FilterResult result;
+        result.new_layers.emplace_back().mesh = tetrahedron();
+        for (recon::Point& p : result.new_layers[0].mesh.vertices)
+            p *= scale;
+        run(filter([&](const plugin::InputLayer&, const recon::Progress&) { return result; }), document);
+        const CMeshO& made = document.mm()->cm;
+        ASSERT_EQ(made.fn, 4);
+        EXPECT_NEAR(made.face[3].cN()[0], std::sqrt(1 / 3.0), 1e-6);
+        EXPECT_NEAR(made.vert[0].cN()[2], -std::sqrt(1 / 3.0), 1e-6);
+        const double apex = std::atan(1.0), slanted = 4 * apex / 3; // angles of the two kinds of faces at corner 3
+        const recon::Vector expected =
+            (recon::Vector(-apex, -apex, 0) + slanted / std::sqrt(3.0) * recon::Vector(1, 1, 1)).normalized();
+        EXPECT_LT((to_vector(made.vert[3].cN()) - expected).norm(), 1e-6);
+    }
+}
+
 TEST(HostDocument, NothingIsWrittenWhenTheFilterThrows)
 {
     MeshDocument document;
@@ -298,6 +326,22 @@ TEST(HostDocument, LengthsGoUpToTheDiagonalOfTheFinitePoints)
     model.cm.vert[3].P()[0] = std::numeric_limits<Scalarm>::quiet_NaN();
     model.cm.vert[4].P()[1] = std::numeric_limits<Scalarm>::infinity();
     EXPECT_EQ(dynamic_cast<const RichLength&>(plugin::rich_parameters(spec, document).at(0)).max, Scalarm(5));
+}
+
+TEST(HostDocument, TooltipsAreTextThatBreaksItsLines)
+{
+    plugin::FilterSpec spec;
+    spec.parameters = []
+    {
+        plugin::ParameterDeclaration flag;
+        flag.name = "flag";
+        flag.tooltip = "a < b & c";
+        flag.kind = plugin::ParameterKind::flag;
+        flag.default_value = true;
+        return std::vector<plugin::ParameterDeclaration>{flag};
+    };
+    MeshDocument document;
+    EXPECT_EQ(plugin::rich_parameters(spec, document).at(0).toolTip(), QString("<p>a &lt; b &amp; c</p>"));
 }
 
 TEST(HostDocument, TheCallbackHearsWholePerCentsAndCancels)
