@@ -1,5 +1,7 @@
 #include "filter_spec.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -23,7 +25,16 @@ double typed_decimal(double value)
 std::string name_without_ending(const InputLayer& layer)
 {
     const std::size_t dot = layer.name.rfind('.');
-    return dot == std::string::npos || dot == 0 ? layer.name : layer.name.substr(0, dot);
+    if (layer.name.empty())
+        return "unnamed layer";
+    if (dot == std::string::npos || dot == 0)
+        return layer.name;
+    const std::string ending = layer.name.substr(dot + 1);
+    const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+    const auto is_letter_or_digit = [](unsigned char c) { return std::isalnum(c) != 0; };
+    const bool of_a_file = ending.size() <= 4 && std::any_of(ending.begin(), ending.end(), is_letter) &&
+                           std::all_of(ending.begin(), ending.end(), is_letter_or_digit);
+    return of_a_file ? layer.name.substr(0, dot) : layer.name;
 }
 
 std::vector<int> vertices_to_use(const InputLayer& layer, bool selected_only)

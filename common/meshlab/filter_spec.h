@@ -27,15 +27,14 @@ struct InputLayer
     std::vector<Colour> colours; ///< Empty: the layer has none.
     std::vector<double> quality; ///< Empty: the layer has none.
     std::vector<double> radii; ///< Custom attribute "radius", else the radius component. Empty: the layer has neither.
-    int faces = 0;
 
     /// Another layer by its name, in this layer's coordinates.
     /// \throws InvalidInput if no layer, or more than one, has that name; the message lists the names.
     std::function<InputLayer(const std::string& name)> find_layer;
 };
 
-/// The layer's name for naming new layers after it: MeshLab's labels are often file names, and their ending says
-/// nothing.
+/// The layer's name for naming new layers after it. MeshLab's labels are often file names, whose ending (up to four
+/// letters and digits) says nothing; "version 1.5" stays whole.
 std::string name_without_ending(const InputLayer& layer);
 
 /// Vertices that a filter works on: all, or the selected ones.
@@ -60,7 +59,7 @@ recon::OrientedSamples oriented_samples(const InputLayer& layer, const std::vect
 struct NewLayer
 {
     std::string name;
-    recon::TriangleMesh mesh; ///< Without triangles: a point cloud.
+    recon::TriangleMesh mesh;              ///< Without triangles: a point cloud.
     std::vector<std::array<int, 2>> edges; ///< That belong to no triangle, such as those of a medial axis.
     std::vector<int>
         source; ///< Per vertex of `mesh`: the input's vertex whose colour and quality it takes, -1 for none.

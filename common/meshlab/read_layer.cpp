@@ -30,7 +30,6 @@ InputLayer read_layer(MeshModel& model)
 
     InputLayer layer;
     layer.name = model.label().toStdString();
-    layer.faces = mesh.fn;
     layer.points.reserve(n);
     layer.normals.reserve(n);
     layer.selected.reserve(n);

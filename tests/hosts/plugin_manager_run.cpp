@@ -151,8 +151,8 @@ int run(int argc, char** argv)
     {
         auto* plugin = dynamic_cast<FilterPlugin*>(loaded);
         for (QAction* action : plugin->actions())
-            std::cout << "filter " << action->text().toStdString() << "\t" << plugin->pythonFilterName(action).toStdString()
-                      << "\n";
+            std::cout << "filter " << action->text().toStdString() << "\t"
+                      << plugin->pythonFilterName(action).toStdString() << "\n";
         return 0;
     }
     QAction* action = manager.filterAction(argv[2]);

@@ -85,8 +85,10 @@ TEST(ResultValues, AreReadableInALog)
 TEST(NameWithoutEnding, DropsTheEndingOfFileNames)
 {
     plugin::InputLayer layer;
-    for (const auto& [name, expected] : {std::pair("bunny.ply", "bunny"), std::pair("bunny", "bunny"),
-                                         std::pair("a.b.c", "a.b"), std::pair(".ply", ".ply"), std::pair("", "")})
+    for (const auto& [name, expected] :
+         {std::pair("bunny.ply", "bunny"), std::pair("bunny", "bunny"), std::pair("a.b.x3d", "a.b"),
+          std::pair(".ply", ".ply"), std::pair("version 1.5", "version 1.5"), std::pair("v1.5 final", "v1.5 final"),
+          std::pair("", "unnamed layer")})
     {
         layer.name = name;
         EXPECT_EQ(plugin::name_without_ending(layer), expected);
