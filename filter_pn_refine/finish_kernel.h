@@ -55,6 +55,9 @@ void finish_children(const WorkPoint* points, const std::array<int, 3>* corners,
     {
         const int n = std::min(count - first, doubles_count);
         alignas(64) double in[3][6][doubles_count];
+        for (int k = first + doubles_count; k < std::min(count, first + 2 * doubles_count); ++k)
+            for (int place : corners[k])
+                __builtin_prefetch(points + place);
         for (int k = 0; k < doubles_count; ++k)
         {
             const std::array<int, 3>& corner = corners[first + std::min(k, n - 1)];

@@ -76,6 +76,7 @@ FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, 
     // Between two members nothing outside the circle through them and the centre joins: on it their sines in eq. 8
     // cancel.
     fan.may_grow = size < 3;
+    fan.members.reserve(std::size_t(size));
     for (int m = 0; m < size; ++m)
     {
         const int a = order.entry[m];

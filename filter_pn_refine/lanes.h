@@ -91,6 +91,10 @@ PN_INLINE int largest(Ints v)
 {
     return _mm512_reduce_max_epi32((__m512i)v);
 }
+PN_INLINE float sum_of(Floats v)
+{
+    return _mm512_reduce_add_ps((__m512)v);
+}
 PN_INLINE Floats root(Floats v)
 {
     return (Floats)_mm512_sqrt_ps((__m512)v);
@@ -240,6 +244,15 @@ PN_INLINE auto largest(Vector v)
     for (int step = lane_count / 2; step > 0; step /= 2)
         for (int i = 0; i < step; ++i)
             x[i] = x[i] > x[i + step] ? x[i] : x[i + step];
+    return x[0];
+}
+PN_INLINE float sum_of(Floats v)
+{
+    alignas(64) float x[lane_count];
+    store(x, v);
+    for (int step = lane_count / 2; step > 0; step /= 2)
+        for (int i = 0; i < step; ++i)
+            x[i] += x[i + step];
     return x[0];
 }
 PN_INLINE Floats root(Floats v)

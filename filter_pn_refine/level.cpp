@@ -289,26 +289,23 @@ LeafGraph connect_leaves(const Level& level, int threads, const Progress& progre
     for (const std::vector<int>& part : parts)
         graph.neighbour.insert(graph.neighbour.end(), part.begin(), part.end());
 
-    std::vector<int> colour(n, -1);
+    graph.colour.assign(n, -1);
     std::vector<int> taken; // per colour the last leaf that saw it beside itself
     for (std::size_t i = 0; i < n; ++i)
     {
         if (!level.leaves[i].is_refined())
             continue;
         for (int j = graph.first[i]; j < graph.first[i + 1]; ++j)
-            if (const int c = colour[std::size_t(graph.neighbour[std::size_t(j)])]; c >= 0)
+            if (const int c = graph.colour[std::size_t(graph.neighbour[std::size_t(j)])]; c >= 0)
                 taken[std::size_t(c)] = int(i);
         std::size_t c = 0;
         while (c < taken.size() && taken[c] == int(i))
             ++c;
         if (c == taken.size())
-        {
             taken.push_back(-1);
-            graph.colours.emplace_back();
-        }
-        colour[i] = int(c);
-        graph.colours[c].push_back(int(i));
+        graph.colour[i] = int(c);
     }
+    graph.is_empty = taken.empty();
     return graph;
 }
 

@@ -147,12 +147,12 @@ Level grow_level(const Level& level, const Growth& growth, const UnitFrame& fram
 void append_children(const Level& level, const Growth& growth, const UnitFrame& frame, const Appended& appended,
                      int threads, const Progress& progress);
 
-/// Leaves whose refinement may touch the same points: those whose boxes, grown by their largest radii, meet. Leaves of
-/// one colour do not, so they can be refined side by side.
+/// Leaves whose refinement may touch the same points: those whose boxes, grown by their largest radii, meet.
 struct LeafGraph
 {
-    std::vector<int> first, neighbour;     ///< Compressed rows, a leaf's own index left out, ascending.
-    std::vector<std::vector<int>> colours; ///< Leaves with points to refine, ascending in each.
+    std::vector<int> first, neighbour; ///< Compressed rows, a leaf's own index left out, ascending.
+    std::vector<int> colour;           ///< Per leaf; those that meet differ. -1: has no point to refine.
+    bool is_empty = true;              ///< No leaf has a colour.
 };
 LeafGraph connect_leaves(const Level& level, int threads, const Progress& progress);
 

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -106,6 +107,32 @@ std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans&
     return radii;
 }
 
+/// Extremes of radii, and some of them.
+struct RadiusSummary
+{
+    float smallest = std::numeric_limits<float>::infinity(), largest = 0;
+    std::vector<float> picked;
+    std::size_t count = 0;
+
+    void take(const float* radii, std::size_t n, std::size_t each)
+    {
+        for (std::size_t k = 0; k < n; ++k)
+        {
+            smallest = std::min(smallest, radii[k]);
+            largest = std::max(largest, radii[k]);
+        }
+        for (std::size_t k = (each - count % each) % each; k < n; k += each)
+            picked.push_back(radii[k]);
+        count += n;
+    }
+    void add(const RadiusSummary& other)
+    {
+        smallest = std::min(smallest, other.smallest);
+        largest = std::max(largest, other.largest);
+        picked.insert(picked.end(), other.picked.begin(), other.picked.end());
+    }
+};
+
 class Refinement
 {
 public:
@@ -189,6 +216,7 @@ private:
     {
         for (int i : turn_contradicting_normals(usable.samples, usable.nearest, threads_, progress))
             result_.turned_normals.push_back(usable.input[std::size_t(i)]);
+        std::sort(result_.turned_normals.begin(), result_.turned_normals.end());
         if (!result_.turned_normals.empty())
             result_.warnings.push_back(count_of(int(result_.turned_normals.size()), "normal was", "normals were") +
                                        " turned over, since most neighbours contradict.");
@@ -301,7 +329,7 @@ private:
     {
         times.begin("leaves");
         const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name));
-        if (graph.colours.empty())
+        if (graph.is_empty)
             return false;
         std::vector<LeafChildren> children(level_.leaves.size());
         std::vector<WorkPoint> on_segments;
@@ -355,12 +383,18 @@ private:
         }
         if (is_odd)
             segments_ = divide_segments(segments_, thirds, first, before);
-        describe_step(before + made, children, next_radius, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
         const std::size_t old = result_.points.size();
-        result_.points.resize(old + std::size_t(made));
-        result_.normals.resize(old + std::size_t(made));
-        result_.parents.resize(old + std::size_t(made));
-        result_.radii.resize(old + std::size_t(made));
+        // Each half fills memory that nobody has touched yet.
+        parallel_invoke(
+            threads_,
+            [&]
+            {
+                result_.points.resize(old + std::size_t(made));
+                result_.normals.resize(old + std::size_t(made));
+                result_.parents.resize(old + std::size_t(made));
+            },
+            [&] { result_.radii.resize(old + std::size_t(made)); });
+        describe_step(before + made, children, next_radius, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
         Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale(), {}};
         if (!options_.fast && usable_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
@@ -386,28 +420,29 @@ private:
         PnStepStatistics s;
         s.points = points;
         s.open_gaps = open_gaps;
-        float smallest = next_radius[0], largest = smallest;
-        std::vector<float> picked; // every so many-th: the median needs no more
-        const std::size_t each = std::size_t(points) / 65536 + 1;
-        std::size_t number = 0;
-        const auto take = [&](const float* radii, std::size_t count)
-        {
-            for (std::size_t k = 0; k < count; ++k, ++number)
-            {
-                smallest = std::min(smallest, radii[k]);
-                largest = std::max(largest, radii[k]);
-                if (number % each == 0)
-                    picked.push_back(radii[k]);
-            }
-        };
-        take(next_radius.data(), next_radius.size());
-        for (const LeafChildren& list : children)
-            take(list.rows().radius, std::size_t(list.count()));
+        const std::size_t each = std::size_t(points) / 65536 + 1; // the median needs no more than every so many-th
+        constexpr std::size_t grain = 1024;
+        std::vector<RadiusSummary> parts(
+            std::max((next_radius.size() + grain - 1) / grain, (children.size() + grain - 1) / grain));
+        parallel_chunks(next_radius.size(), threads_, grain, {},
+                        [&](std::size_t begin, std::size_t end)
+                        { parts[begin / grain].take(next_radius.data() + begin, end - begin, each); });
+        parallel_chunks(children.size(), threads_, grain, {},
+                        [&](std::size_t begin, std::size_t end)
+                        {
+                            for (std::size_t i = begin; i < end; ++i)
+                                parts[begin / grain].take(children[i].rows().radius, std::size_t(children[i].count()),
+                                                          each);
+                        });
+        RadiusSummary all;
+        for (const RadiusSummary& part : parts)
+            all.add(part);
+        std::vector<float>& picked = all.picked;
         const auto middle = picked.begin() + std::ptrdiff_t(picked.size() / 2);
         std::nth_element(picked.begin(), middle, picked.end());
-        s.smallest_radius = smallest * frame_.scale();
+        s.smallest_radius = all.smallest * frame_.scale();
         s.median_radius = *middle * frame_.scale();
-        s.largest_radius = largest * frame_.scale();
+        s.largest_radius = all.largest * frame_.scale();
         result_.steps.push_back(s);
     }
 

@@ -24,13 +24,7 @@ struct SlopeToPlanes
     PN_INLINE bool is_nearer_than(float distance) const { return below(nearest, all(distance * distance)) != 0; }
     PN_INLINE bool is_steep() const
     {
-        float slope = 0, weight = 0;
-        for (int i = 0; i < lane_count; ++i)
-        {
-            slope += slopes[i];
-            weight += weights[i];
-        }
-        return slope > LocalRules::largest_slope * LocalRules::largest_slope * weight;
+        return sum_of(slopes - (LocalRules::largest_slope * LocalRules::largest_slope) * weights) > 0;
     }
 };
 

@@ -3,9 +3,9 @@
 #include "kernels.h"
 #include "workspace.h"
 
+#include <recon/errors.h>
 #include <recon/parallel.h>
 
-#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -49,8 +49,7 @@ void gather(const RefineStep& step, int self, Workspace& w)
     w.radius_before.assign(w.new_points.radius, w.new_points.radius + w.new_points.count);
 }
 
-/// Touches only the children of this leaf and radii of points and children within its reach, so leaves of one colour
-/// may be refined side by side.
+/// Touches only the children of this leaf and radii of points and children within its reach.
 void refine_leaf(const RefineStep& step, int self)
 {
     thread_local Workspace workspace;
@@ -74,53 +73,75 @@ void refine_leaf(const RefineStep& step, int self)
         }
 }
 
+/// Refines leaves one after the other in space, so that what they share stays in the cache, but each after those of
+/// lower colours that it meets: what a leaf finds then depends neither on the threads nor on who came first.
+class LeafOrder
+{
+public:
+    explicit LeafOrder(const RefineStep& step) : step_(step), states_(step.level.leaves.size()) {}
+
+    /// Refines the leaf, and before it what must be before it, unless some thread is at it.
+    void visit(int leaf)
+    {
+        const int colour = step_.graph.colour[std::size_t(leaf)];
+        std::atomic<State>& state = states_[std::size_t(leaf)];
+        State expected = State::waiting;
+        if (colour < 0 || !state.compare_exchange_strong(expected, State::taken))
+            return;
+        try
+        {
+            for_each_before(leaf, colour, [&](int other) { visit(other); });
+            // Who waits waits for lower colours, so that never two wait for each other.
+            for_each_before(leaf, colour, [&](int other) { wait_for(other); });
+            refine_leaf(step_, leaf);
+        }
+        catch (...)
+        {
+            has_failed_ = true;
+            throw;
+        }
+        state.store(State::done, std::memory_order_release);
+    }
+
+private:
+    enum class State : char
+    {
+        waiting,
+        taken,
+        done
+    };
+
+    template <class Visit>
+    void for_each_before(int leaf, int colour, Visit&& visit) const
+    {
+        const LeafGraph& graph = step_.graph;
+        for (int k = graph.first[std::size_t(leaf)]; k < graph.first[std::size_t(leaf) + 1]; ++k)
+            if (const int other = graph.neighbour[std::size_t(k)], c = graph.colour[std::size_t(other)];
+                c >= 0 && c < colour)
+                visit(other);
+    }
+    void wait_for(int leaf) const
+    {
+        while (states_[std::size_t(leaf)].load(std::memory_order_acquire) != State::done)
+        {
+            if (has_failed_)
+                throw AlgorithmFailure("Refinement has failed on another thread.");
+            std::this_thread::yield();
+        }
+    }
+
+    const RefineStep& step_;
+    std::vector<std::atomic<State>> states_;
+    std::atomic<bool> has_failed_{false};
+};
+
 } // namespace
 
 void refine_leaves(const RefineStep& step, int threads, const Progress& progress)
 {
-    const std::vector<std::vector<int>>& colours = step.graph.colours;
-    std::size_t total = 0;
-    for (const std::vector<int>& colour : colours)
-        total += colour.size();
-    // The same threads work on all colours, since there are many and short ones: whoever finds no leaf left waits for
-    // those that others have taken.
-    std::vector<std::atomic<std::size_t>> taken(colours.size()), done(colours.size());
-    std::atomic<std::size_t> all_done{0};
-    std::atomic<bool> stop{false};
-    const std::thread::id caller = std::this_thread::get_id();
-    const auto work = [&]
-    {
-        for (std::size_t c = 0; c < colours.size(); ++c)
-        {
-            const std::vector<int>& colour = colours[c];
-            for (std::size_t k; !stop && (k = taken[c]++) < colour.size(); ++done[c])
-            {
-                refine_leaf(step, colour[k]);
-                ++all_done;
-                if (std::this_thread::get_id() == caller)
-                    progress.report(double(all_done) / double(total));
-            }
-            while (!stop && done[c] < colour.size())
-                std::this_thread::yield();
-            if (stop)
-                return;
-        }
-    };
+    LeafOrder order(step);
     parallel_for(
-        std::size_t(threads), threads, {},
-        [&](std::size_t)
-        {
-            try
-            {
-                work();
-            }
-            catch (...)
-            {
-                stop = true;
-                throw;
-            }
-        },
-        1);
+        step.level.leaves.size(), threads, progress, [&](std::size_t leaf) { order.visit(int(leaf)); }, 16);
 }
 
 } // namespace recon::pn

@@ -2,10 +2,11 @@
 
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <numeric>
 
 namespace recon::pn
 {
@@ -123,46 +124,43 @@ std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added,
 void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
                            const Progress& progress, UsableSamples& usable)
 {
-    const int n = int(input.points.size());
     const double same = std::cos(crease_angle);
-    const DistinctPoints distinct = find_distinct_points(input.points);
-    std::map<std::size_t, std::vector<int>> at_place; // only places with several points
-    std::vector<int> counts(distinct.first_index.size(), 0);
-    for (int i = 0; i < n; ++i)
-        ++counts[std::size_t(distinct.representative[std::size_t(i)])];
+    const SpatialOrder places = order_spatially(input.points);
+    std::vector<int> end(places.order.size(), 0), points(input.points.size()); // points place by place, ascending
+    for (int place : places.representative)
+        ++end[std::size_t(place)];
+    std::exclusive_scan(end.begin(), end.end(), end.begin(), 0);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[std::size_t(end[std::size_t(places.representative[i])]++)] = int(i);
     progress.report(0.3);
 
     OrientedSamples& samples = usable.samples;
-    for (int i = 0; i < n; ++i)
+    auto next = points.begin();
+    for (const int end_of_place : end)
     {
-        const Vector& normal = input.normals[std::size_t(i)];
-        const double largest = normal.cwiseAbs().maxCoeff();
-        if (!normal.allFinite() || !(largest > 0))
+        const auto first = samples.points.size();
+        for (; next != points.begin() + end_of_place; ++next)
         {
-            ++usable.without_normal;
-            continue;
-        }
-        const Vector unit = (normal / largest).normalized();
-        const auto place = std::size_t(distinct.representative[std::size_t(i)]);
-        const int self = int(samples.points.size());
-        int first = self;
-        if (counts[place] > 1)
-        {
-            std::vector<int>& there = at_place[place];
-            if (std::any_of(there.begin(), there.end(),
-                            [&](int j) { return samples.normals[std::size_t(j)].dot(unit) >= same; }))
+            const Vector& normal = input.normals[std::size_t(*next)];
+            const double largest = normal.cwiseAbs().maxCoeff();
+            if (!normal.allFinite() || !(largest > 0))
+            {
+                ++usable.without_normal;
+                continue;
+            }
+            const Vector unit = (normal / largest).normalized();
+            if (std::any_of(samples.normals.begin() + std::ptrdiff_t(first), samples.normals.end(),
+                            [&](const Vector& other) { return other.dot(unit) >= same; }))
             {
                 ++usable.duplicates;
                 continue;
             }
-            first = there.empty() ? self : there.front();
-            there.push_back(self);
+            // A unit normal keeps its bits.
+            samples.points.push_back(frame.to_unit(input.points[std::size_t(*next)]));
+            samples.normals.push_back(std::abs(normal.squaredNorm() - 1) < 1e-14 ? normal : unit);
+            usable.input.push_back(*next);
+            usable.sharing.push_back(int(first));
         }
-        // A unit normal keeps its bits.
-        samples.points.push_back(frame.to_unit(input.points[std::size_t(i)]));
-        samples.normals.push_back(std::abs(normal.squaredNorm() - 1) < 1e-14 ? normal : unit);
-        usable.input.push_back(i);
-        usable.sharing.push_back(first);
     }
 
     update_nearest(usable, threads, progress.part(0.3, 0.9, "choosing points"));

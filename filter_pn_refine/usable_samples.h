@@ -11,8 +11,9 @@
 namespace recon::pn
 {
 
-/// The samples that can take part in refinement, in the unit frame, and why the others cannot. Stays where it is: the
-/// search refers to the samples.
+/// The samples that can take part in refinement, in the unit frame and in spatial order (which makes what follows
+/// faster and mostly independent of the order of the input), and why the others cannot. Stays where it is: the search
+/// refers to the samples.
 struct UsableSamples
 {
     UsableSamples() = default;
@@ -21,8 +22,8 @@ struct UsableSamples
 
     OrientedSamples samples; ///< Unit normals.
     std::vector<int> input;  ///< Per sample its index in the input.
-    std::vector<int>
-        sharing; ///< Per sample: the first sample at the same position (a crease's first normal); itself mostly.
+    /// Per sample: the first sample at the same position (a crease's first normal); itself mostly.
+    std::vector<int> sharing;
     std::vector<char> is_crease;             ///< Per sample: shares its position with another.
     std::unique_ptr<NeighbourSearch> search; ///< Among the samples.
     NearestTable nearest;                    ///< Of the samples.

@@ -234,6 +234,20 @@ TEST(RefinePoints, SameBitsForEveryNumberOfThreads)
     }
 }
 
+TEST(RefinePoints, TheOrderOfTheInputDoesNotMatter)
+{
+    const OrientedSamples samples = shapes::torus(2000, 1, 0.4, 8);
+    OrientedSamples reversed = samples;
+    std::reverse(reversed.points.begin(), reversed.points.end());
+    std::reverse(reversed.normals.begin(), reversed.normals.end());
+    const PnRefinement one = refine_points(samples, one_thread(3)), other = refine_points(reversed, one_thread(3));
+    EXPECT_TRUE(same_bits(one.points, other.points));
+    EXPECT_TRUE(same_bits(one.normals, other.normals));
+    std::vector<double> radii = one.input_radii;
+    std::reverse(radii.begin(), radii.end());
+    EXPECT_TRUE(same_bits(radii, other.input_radii));
+}
+
 TEST(RefinePoints, FarFromTheOriginAndAtExtremeScalesTheResultIsTheSame)
 {
     const OrientedSamples samples = shapes::sphere(800, 1, 5);
