@@ -52,6 +52,16 @@ MeshDistance::Nearest MeshDistance::nearest(const recon::Point& query) const
     return {(query - point).norm(), point, tree_->index[std::size_t(found.second - tree_->triangles.cbegin())]};
 }
 
+MeshDistance::Nearest MeshDistance::first_hit(const recon::Point& origin, const recon::Vector& direction) const
+{
+    const auto hit = tree_->aabb.first_intersection(Kernel::Ray_3(to_cgal(origin), to_cgal(origin + direction)));
+    const Kernel::Point_3* at = hit ? boost::get<Kernel::Point_3>(&hit->first) : nullptr;
+    if (!at)
+        return {0, origin, -1};
+    const recon::Point point(at->x(), at->y(), at->z());
+    return {(point - origin).norm(), point, tree_->index[std::size_t(hit->second - tree_->triangles.cbegin())]};
+}
+
 MeshDistance::Summary MeshDistance::summarise(const recon::Points& points) const
 {
     double squares = 0, largest = 0;

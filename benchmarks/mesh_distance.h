@@ -21,6 +21,8 @@ public:
         int triangle;
     };
     Nearest nearest(const recon::Point& query) const;
+    /// Where a ray first meets the mesh; none: the index is -1.
+    Nearest first_hit(const recon::Point& origin, const recon::Vector& direction) const;
 
     /// Root mean square distance of `points` to the mesh, and the largest [input units].
     struct Summary

@@ -135,8 +135,10 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     {
         LabelledCloud fine = attempts.label_fine(first->cloud, progress.part(0.7, 0.8, "fine balls"));
         const Mismatch own = attempts.measure(fine);
-        // Bare flats stay bare: there both are wrong, and the first less so. Votes of other samples do not compare.
-        if ((denoised || fine.labelled.violated_votes < violated) && own.sum() < clearly_better * mismatch.sum())
+        // Bare flats stay bare: there both are wrong, and the first less so. Votes of other samples do not compare, but
+        // a sponge across the hole of an open scan leaves nothing bare.
+        if (fine.labelled.violated_votes < (denoised ? flooded_above : violated) &&
+            own.sum() < clearly_better * mismatch.sum())
         {
             first = std::move(fine);
             mismatch = own;

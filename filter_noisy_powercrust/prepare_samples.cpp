@@ -58,8 +58,9 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         noise_options.threads = options.threads;
         const NoiseEstimate found = estimate_noise(sorted, noise_options, progress.part(0, 0.1, "noise"));
         result.noise = options.noise > 0 ? options.noise : found.median_sigma();
-        result.is_doubtful = cleanness.flat_neighbours < certainly_flat && found.least_noise() > coarse_noise;
-        result.is_noisy = result.is_doubtful || result.noise > options.bearable_noise * found.median_spacing();
+        result.is_doubtful = !cleanness.is_smooth_but_noisy() && cleanness.flat_neighbours < certainly_flat &&
+                             found.least_noise() > coarse_noise;
+        result.is_noisy = cleanness.is_smooth_but_noisy() || result.is_doubtful || result.noise > options.bearable_noise * found.median_spacing();
     }
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);
 

@@ -5,11 +5,50 @@
 #include <recon/parallel.h>
 #include <recon/polar_balls.h>
 
+#include <Eigen/Dense>
+
 #include <algorithm>
 #include <cmath>
 
 namespace recon
 {
+namespace
+{
+
+constexpr int seeds = 200, around = 32, flat_count = 3, narrow = 12;
+
+/// Root mean square of the points' distances to their least-squares quadric, a height field over their principal plane.
+double measure_residual(const Points& points, int count)
+{
+    constexpr int unknowns = 6;
+    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, around> offsets(3, count);
+    for (int i = 0; i < count; ++i)
+        offsets.col(i) = points[i];
+    offsets.colwise() -= Point(offsets.rowwise().mean());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(offsets * offsets.transpose());
+    const auto frame = axes.eigenvectors();
+    Eigen::Matrix<double, Eigen::Dynamic, unknowns, 0, around, unknowns> terms(count, unknowns);
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, around, 1> heights(count);
+    for (int i = 0; i < count; ++i)
+    {
+        const Vector p = frame.transpose() * offsets.col(i);
+        heights[i] = p[0];
+        terms.row(i) << 1, p[1], p[2], p[1] * p[1], p[1] * p[2], p[2] * p[2];
+    }
+    const Eigen::Matrix<double, unknowns, 1> quadric = terms.colPivHouseholderQr().solve(heights);
+    return std::sqrt((heights - terms * quadric).squaredNorm() / (count - unknowns));
+}
+
+double quantile(std::vector<double> values, double share)
+{
+    if (values.empty())
+        return 0;
+    const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+} // namespace
 
 bool has_clean_poles(const Vector& first, const Vector& second, double eighth)
 {
@@ -27,11 +66,10 @@ double share_of_flat(const Vector& first, const Point* neighbours, int count)
 
 Cleanness measure_cleanness(const Points& samples, int threads)
 {
-    constexpr int seeds = 200, around = 32, flat_count = 3;
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
     std::vector<int> clean(count, 0);
-    std::vector<double> flat(count, 0);
+    std::vector<double> flat(count, 0), whiteness(count, 0), roughness(count, 0);
     const BlockSearch search(samples);
     const auto examine = [&](std::size_t k)
     {
@@ -45,6 +83,13 @@ Cleanness measure_cleanness(const Points& samples, int threads)
         Points local;
         for (int j = 0; j < found; ++j)
             local.push_back(0.5 / radius * (samples[indices[j]] - centre));
+        if (found == around)
+        {
+            const double residual = measure_residual(local, narrow), wide = measure_residual(local, around);
+            whiteness[k] = wide > 0 ? residual / wide : 0;
+            // The 32 lie within a disk of radius 0.5.
+            roughness[k] = residual / std::sqrt(EIGEN_PI * 0.25 / around);
+        }
         append_box_corners(local);
         const Triangulation delaunay = triangulate_delaunay(local);
         const Poles poles = find_poles(delaunay, local);
@@ -63,6 +108,8 @@ Cleanness measure_cleanness(const Points& samples, int threads)
         result.long_cells += clean[k] / double(count);
         result.flat_neighbours += flat[k] / double(count);
     }
+    result.whiteness = quantile(whiteness, 0.25);
+    result.roughness = quantile(roughness, 0.5);
     return result;
 }
 

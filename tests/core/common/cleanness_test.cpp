@@ -14,14 +14,15 @@ using namespace recon;
 namespace
 {
 
+Points in_order(const Points& points)
+{
+    return points_at(order_spatially(points).order, points);
+}
+
 /// `thickness` in spacings.
 Points sample_plate(double thickness, int side)
 {
-    const Points points = shapes::thin_plate(side, thickness, 5);
-    Points ordered;
-    for (const int i : order_spatially(points).order)
-        ordered.push_back(points[i]);
-    return ordered;
+    return in_order(shapes::thin_plate(side, thickness, 5));
 }
 
 /// Share of the samples from `begin` to before `end` whose scale is the fine one.
@@ -54,12 +55,32 @@ TEST(Cleanness, AThinPlateIsCleanAndANoisyOneIsNot)
     }
 }
 
+TEST(Cleanness, AWiderFitServesNoiseAsWellAndCurvatureNot)
+{
+    for (const Points& shape : {shapes::torus(1500, 1, 0.3, 3).points, shapes::box(1500, {3, 2, 1}, 3).points})
+    {
+        const Cleanness clean = measure_cleanness(in_order(shape), 1);
+        EXPECT_LT(clean.whiteness, 0.5);
+        EXPECT_FALSE(clean.is_smooth_but_noisy());
+    }
+    const Points torus = shapes::torus(12'000, 1, 0.3, 3).points;
+    const double spacing = std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
+    for (const double noise : {0.1, 0.25})
+    {
+        const Cleanness noisy = measure_cleanness(in_order(shapes::with_noise(torus, noise * spacing, 4)), 1);
+        EXPECT_TRUE(noisy.is_smooth_but_noisy()) << noisy.whiteness;
+        EXPECT_NEAR(noisy.roughness, noise, 0.25 * noise);
+    }
+}
+
 TEST(Cleanness, IsTheSameForAnyNumberOfThreads)
 {
     const Points plate = sample_plate(1.5, 20);
     const Cleanness one = measure_cleanness(plate, 1), many = measure_cleanness(plate, 3);
     EXPECT_EQ(one.long_cells, many.long_cells);
     EXPECT_EQ(one.flat_neighbours, many.flat_neighbours);
+    EXPECT_EQ(one.whiteness, many.whiteness);
+    EXPECT_EQ(one.roughness, many.roughness);
 }
 
 TEST(Cleanness, NeighboursUpTo17DegreesBelowThePlaneAreFlat)
