@@ -6,6 +6,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -16,9 +17,8 @@ int resolve_threads(int threads)
 {
     if (threads < 0)
         throw InvalidInput("The number of threads must be 0 (all cores) or more.");
-    if (threads > 0)
-        return threads;
-    return std::max(1, int(std::thread::hardware_concurrency()));
+    constexpr int most = 256; // every thread that is started costs time and memory, work or not
+    return std::clamp(threads > 0 ? threads : int(std::thread::hardware_concurrency()), 1, most);
 }
 
 void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progress& progress,
@@ -60,8 +60,15 @@ void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progre
     const std::size_t helpers = std::min<std::size_t>(std::max(threads, 1) - 1, chunks > 0 ? chunks - 1 : 0);
     std::vector<std::thread> pool;
     pool.reserve(helpers);
-    for (std::size_t i = 0; i < helpers; ++i)
-        pool.emplace_back(work, false);
+    try
+    {
+        for (std::size_t i = 0; i < helpers; ++i)
+            pool.emplace_back(work, false);
+    }
+    catch (const std::system_error&)
+    {
+        // The system gives no more threads: those that have started do the work.
+    }
     work(true);
     for (std::thread& thread : pool)
         thread.join();
@@ -76,7 +83,9 @@ void parallel_shares(std::size_t n, int threads, const std::function<void(const 
     constexpr int most = 8;
     const std::size_t shares = std::size_t(std::clamp(threads, 1, most));
     parallel_chunks(n, threads, std::max<std::size_t>(1, (n + shares - 1) / shares), {},
-                    [&](std::size_t begin, std::size_t end) { body({begin, end}); });
+                    [&](std::size_t begin, std::size_t end) {
+                        body({begin, end});
+                    });
 }
 
 void parallel_invoke(int threads, const std::function<void()>& first, const std::function<void()>& second)

@@ -8,7 +8,7 @@
 namespace recon
 {
 
-/// Number of threads to use for the option `threads`: 0 = one per core.
+/// Number of threads to use for the option `threads`: 0 = one per core; 256 at most.
 /// \throws InvalidInput below 0.
 int resolve_threads(int threads);
 

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <numeric>
 #include <thread>
 
@@ -22,9 +23,24 @@ TEST(ParallelFor, VisitsEveryItemOnceWithAnyNumberOfThreads)
     parallel_for(0, 2, {}, [](std::size_t) { FAIL(); });
 }
 
+TEST(ResolveThreads, GivesAtLeastOneAndNotMoreThanAMachineCanStart)
+{
+    EXPECT_GE(resolve_threads(0), 1);
+    EXPECT_EQ(resolve_threads(3), 3);
+    EXPECT_LT(resolve_threads(std::numeric_limits<int>::max()), 1000);
+    EXPECT_THROW(resolve_threads(-1), InvalidInput);
+}
+
 TEST(ParallelFor, PassesOnWhatTheBodyThrows)
 {
-    EXPECT_THROW(parallel_for(1000, 3, {}, [](std::size_t i) { if (i == 500) throw InvalidInput("x"); }, 10),
+    EXPECT_THROW(parallel_for(
+                     1000, 3, {},
+                     [](std::size_t i)
+                     {
+                         if (i == 500)
+                             throw InvalidInput("x");
+                     },
+                     10),
                  InvalidInput);
 }
 
@@ -32,12 +48,13 @@ TEST(ParallelFor, ReportsOnTheCallersThreadAndStopsWhenAsked)
 {
     const auto caller = std::this_thread::get_id();
     std::atomic<int> calls{0};
-    const Progress progress([&](double fraction, const std::string&)
-                            {
-                                EXPECT_EQ(std::this_thread::get_id(), caller);
-                                EXPECT_LE(fraction, 1);
-                                return ++calls < 3;
-                            });
+    const Progress progress(
+        [&](double fraction, const std::string&)
+        {
+            EXPECT_EQ(std::this_thread::get_id(), caller);
+            EXPECT_LE(fraction, 1);
+            return ++calls < 3;
+        });
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     const auto body = [&](std::size_t)
     {
@@ -54,10 +71,15 @@ TEST(ParallelInvoke, RunsBothAndPassesOnFailures)
     for (const int threads : {1, 2})
     {
         int done = 0, other = 0;
-        parallel_invoke(threads, [&] { ++done; }, [&] { ++other; });
+        parallel_invoke(
+            threads, [&] { ++done; }, [&] { ++other; });
         EXPECT_EQ(done + other, 2);
-        EXPECT_THROW(parallel_invoke(threads, [] {}, [] { throw InvalidInput("x"); }), InvalidInput);
-        EXPECT_THROW(parallel_invoke(threads, [] { throw Cancelled(); }, [] {}), Cancelled);
+        EXPECT_THROW(parallel_invoke(
+                         threads, [] {}, [] { throw InvalidInput("x"); }),
+                     InvalidInput);
+        EXPECT_THROW(parallel_invoke(
+                         threads, [] { throw Cancelled(); }, [] {}),
+                     Cancelled);
     }
 }
 
@@ -65,12 +87,13 @@ TEST(Progress, MapsPartsAndNeverFalls)
 {
     std::vector<double> seen;
     std::vector<std::string> phases;
-    const Progress progress([&](double fraction, const std::string& phase)
-                            {
-                                seen.push_back(fraction);
-                                phases.push_back(phase);
-                                return true;
-                            });
+    const Progress progress(
+        [&](double fraction, const std::string& phase)
+        {
+            seen.push_back(fraction);
+            phases.push_back(phase);
+            return true;
+        });
     const Progress half = progress.part(0, 0.5, "first");
     half.part(0.5, 1, "inner").report(1);
     half.report(0.1);
