@@ -2,6 +2,7 @@ import pytest
 
 import hosts
 import meshlab_2020
+from released_filters import NOISY_POWER_CRUST
 
 
 @pytest.fixture(scope="session")
@@ -30,4 +31,4 @@ HOSTS = ["pymeshlab", "meshlab-2025.07", "meshlabserver"]
 
 @pytest.fixture(params=HOSTS)
 def any_host(request, make_host):
-    return make_host(request.param, hosts.NOISY_POWER_CRUST.plugin)
+    return make_host(request.param, NOISY_POWER_CRUST.plugin)

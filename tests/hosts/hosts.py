@@ -124,11 +124,41 @@ class PyMeshLab:
         return state
 
 
+@dataclass
+class Parameter:
+    name: str
+    kind: str  # MeshLab's type in .mlx
+    default: str
+    label: str
+    tooltip: str
+    choices: list
+
+
+@dataclass
+class Filter:
+    name: str
+    python_name: str
+    parameters: list
+
+
 def filters_of(plugin):
-    """Names and Python names of the filters of a plugin for MeshLab 2025.07, as its plugin manager sees them."""
+    """The filters of a plugin for MeshLab 2025.07, as its plugin manager sees them."""
     shown = subprocess.run([str(BUILD / "tests" / "hosts" / "plugin_manager_run"), str(plugin)], check=True, text=True,
                            env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}, stdout=subprocess.PIPE).stdout
-    return [tuple(line[len("filter "):].split("\t")) for line in shown.splitlines() if line.startswith("filter ")]
+    filters = []
+    for line in shown.splitlines():
+        key, _, rest = line.partition(" ")
+        words = rest.split("\t")
+        if key == "filter":
+            filters.append(Filter(*words, []))
+        elif key == "parameter":
+            filters[-1].parameters.append(Parameter(*words[:5], words[5:]))
+    return filters
+
+
+def all_filters():
+    """Of all plugins."""
+    return [f for plugin in sorted((BUILD / "plugins" / MeshLab2025.name).glob("*.so")) for f in filters_of(plugin)]
 
 
 # --- MeshLab 2025.07, its own plugin manager ------------------------------------------------------------------------------
@@ -312,52 +342,3 @@ class MeshLabServer2020:
                 value = str(value).lower()
             lines.append((name, kind, value, attributes))
         return lines
-
-
-@dataclass
-class FilterSpec:
-    plugin: str
-    name: str
-    python_name: str
-    parameters: list  # (name, MeshLab's type in .mlx, default, texts of a choice)
-
-
-NOISY_POWER_CRUST = FilterSpec(
-    "libfilter_noisy_powercrust.so",
-    "Surface Reconstruction: Noisy Power Crust",
-    "generate_surface_reconstruction_noisy_power_crust",
-    [("ball_threshold", "RichAbsPerc", 0.0, None),
-     ("noise", "RichAbsPerc", 0.0, None),
-     ("deep_intersection", "RichFloat", 0.0, None),
-     ("keep_components", "RichEnum", "largest", ["largest", "all"]),
-     ("denoise", "RichEnum", "automatic", ["automatic", "on", "off"]),
-     ("smooth", "RichBool", True, None),
-     ("simplify", "RichBool", True, None),
-     ("trim_length", "RichAbsPerc", 0.0, None),
-     ("selected_only", "RichBool", False, None),
-     ("threads", "RichInt", 0, None)])
-
-
-MEDIAL_AXIS = FilterSpec(
-    "libfilter_noisy_powercrust.so",
-    "Medial Axis: Power Shape",
-    "generate_medial_axis_power_shape",
-    [("side", "RichEnum", "inner", ["inner", "outer", "both"]),
-     ("ball_threshold", "RichAbsPerc", 0.0, None),
-     ("object_angle", "RichFloat", 75.0, None),
-     ("redundancy", "RichFloat", 0.0, None),
-     ("denoise", "RichEnum", "automatic", ["automatic", "on", "off"]),
-     ("noise", "RichAbsPerc", 0.0, None),
-     ("selected_only", "RichBool", False, None),
-     ("threads", "RichInt", 0, None)])
-
-AMLS_RECONSTRUCTION = FilterSpec(
-    "libfilter_amls.so",
-    "Surface Reconstruction: AMLS",
-    "generate_surface_reconstruction_amls",
-    [("rho_e", "RichFloat", 0.0, None),
-     ("noise", "RichAbsPerc", 0.0, None),
-     ("keep_components", "RichEnum", "largest", ["largest", "all"]),
-     ("simplify", "RichBool", True, None),
-     ("selected_only", "RichBool", False, None),
-     ("threads", "RichInt", 0, None)])

@@ -1,5 +1,6 @@
 // Loads a plugin with MeshLab's own plugin manager, as MeshLab's window does, and runs one of its filters on a cloud.
-//   plugin_manager_run <plugin.so>       lists its filters: name, tab, name in pymeshlab
+//   plugin_manager_run <plugin.so>       lists its filters and their parameters, separated by tabs:
+//     filter name, name in pymeshlab / parameter name, kind, default, label, tooltip, texts of a choice...
 //   plugin_manager_run <plugin.so> <filter> <cloud | -> <surface> [cancel] [name=value | name=value%]...
 // The cloud and the surface are raw files as tests/hosts/hosts.py writes and reads them. Prints "key value" lines.
 #include <common/ml_document/mesh_document.h>
@@ -132,6 +133,25 @@ void set_parameter(RichParameterList& list, const std::string& argument)
         parameter.setValue(StringValue(text));
 }
 
+std::string describe(const RichParameter& parameter)
+{
+    QStringList words = {parameter.name(), parameter.stringType(),
+                         parameter.value().isString() ? parameter.value().getString() : "",
+                         parameter.fieldDescription(), parameter.toolTip()};
+    if (parameter.value().isBool())
+        words[2] = parameter.value().getBool() ? "on" : "off";
+    else if (parameter.value().isInt())
+        words[2] = QString::number(parameter.value().getInt());
+    else if (parameter.value().isFloat())
+        words[2] = QString::number(double(parameter.value().getFloat()));
+    if (const auto* choice = dynamic_cast<const RichEnum*>(&parameter))
+    {
+        words[2] = choice->enumvalues.at(parameter.value().getInt());
+        words += choice->enumvalues;
+    }
+    return words.join('\t').toStdString();
+}
+
 bool go_on(const int, const char*)
 {
     return true;
@@ -151,8 +171,13 @@ int run(int argc, char** argv)
     {
         auto* plugin = dynamic_cast<FilterPlugin*>(loaded);
         for (QAction* action : plugin->actions())
+        {
             std::cout << "filter " << action->text().toStdString() << "\t"
                       << plugin->pythonFilterName(action).toStdString() << "\n";
+            const RichParameterList parameters = plugin->initParameterList(action, MeshDocument());
+            for (const RichParameter& parameter : parameters)
+                std::cout << "parameter " << describe(parameter) << "\n";
+        }
         return 0;
     }
     QAction* action = manager.filterAction(argv[2]);

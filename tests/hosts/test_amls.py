@@ -2,34 +2,12 @@
 import numpy as np
 import pytest
 
-from hosts import Cloud, FilterSpec
+from conftest import HOSTS
+from hosts import Cloud
 from mesh_checks import sphere, torus
+from released_filters import FEATURE_SIZE, NORMALS, PROJECTION
 
-PLUGIN = "libfilter_amls.so"
-BALLS = [("method", "RichEnum", "automatic", ["automatic", "paper"]),
-         ("big_ball_ratio", "RichFloat", 0.0, None),
-         ("neighbours", "RichInt", 0, None),
-         ("selected_only", "RichBool", False, None),
-         ("threads", "RichInt", 0, None)]
-NORMALS = FilterSpec(PLUGIN, "Compute normals from Delaunay balls", "compute_normal_from_delaunay_balls", BALLS)
-FEATURE_SIZE = FilterSpec(PLUGIN, "Compute local feature size", "compute_scalar_by_local_feature_size",
-                          BALLS + [("smoothing", "RichInt", 0, None), ("colorize", "RichBool", False, None)])
-PROJECTION = FilterSpec(
-    PLUGIN, "MLS projection (AMLS)", "compute_mls_projection_amls",
-    [("rho_e", "RichFloat", 0.0, None),
-     ("noise", "RichAbsPerc", 0.0, None),
-     ("normals", "RichEnum", "estimate", ["estimate", "use the layer's"]),
-     ("weights", "RichEnum", "anchors with curvature",
-      ["anchors with curvature", "paper's normalised I", "paper's plain N"]),
-     ("max_iterations", "RichInt", 0, None),
-     ("tolerance", "RichFloat", 0.1, None),
-     ("cut_off", "RichFloat", 0.0, None),
-     ("remove_outliers", "RichBool", False, None),
-     ("select_not_converged", "RichBool", False, None),
-     ("surface_layer", "RichString", "", None),
-     ("selected_only", "RichBool", False, None),
-     ("threads", "RichInt", 0, None)])
-
+PLUGIN = PROJECTION.plugin
 SIGMA = 0.02
 NOISY = sphere(4000, SIGMA, seed=5)
 OUTLIERS = np.array([[3.0, 3, 3], [-3, 2, 1], [2, -3, -3]])
@@ -39,7 +17,7 @@ def radial_rms(points):
     return float(np.sqrt(np.mean((np.linalg.norm(points, axis=1) - 1) ** 2)))
 
 
-@pytest.fixture(params=["pymeshlab", "meshlab-2025.07", "meshlabserver"])
+@pytest.fixture(params=HOSTS)
 def host(request, make_host):
     return make_host(request.param, PLUGIN)
 

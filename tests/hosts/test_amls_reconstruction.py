@@ -3,8 +3,9 @@ import numpy as np
 import pytest
 
 from conftest import HOSTS
-from hosts import AMLS_RECONSTRUCTION as FILTER, Cloud
+from hosts import Cloud
 from mesh_checks import assert_closed_manifold, torus
+from released_filters import AMLS_RECONSTRUCTION as FILTER
 
 
 @pytest.mark.parametrize("host", HOSTS)

@@ -8,8 +8,6 @@ from hosts import BUILD, filters_of
 
 FILES = sorted((BUILD / "plugins").glob("*/*.so"))
 HOSTS = ["meshlab-2020.09", "meshlab-2025.07", "pymeshlab-2025.7"]
-
-
 PLUGINS = ["libfilter_amls.so", "libfilter_noisy_powercrust.so", "libfilter_pn_refine.so"]
 
 
@@ -22,9 +20,9 @@ def test_every_host_has_the_plugins(host):
 def test_names_follow_the_hosts_rules(plugin):
     filters = filters_of(BUILD / "plugins" / "meshlab-2025.07" / plugin)
     assert filters
-    for name, python_name in filters:
-        assert name and name == name.strip()
-        assert re.fullmatch(r"(generate|compute|apply|meshing)_[a-z0-9_]+", python_name), python_name
+    for f in filters:
+        assert f.name and f.name == f.name.strip()
+        assert re.fullmatch(r"(generate|compute|apply|meshing)_[a-z0-9_]+", f.python_name), f.python_name
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: f"{f.parent.name}/{f.name}")

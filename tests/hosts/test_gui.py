@@ -3,8 +3,9 @@ import subprocess
 
 import hosts
 import meshlab_2020
-from hosts import BUILD, NOISY_POWER_CRUST, Cloud
+from hosts import BUILD, Cloud
 from mesh_checks import torus
+from released_filters import NOISY_POWER_CRUST
 
 
 def test_filter_runs_from_the_menu(display, tmp_path):
@@ -15,8 +16,7 @@ def test_filter_runs_from_the_menu(display, tmp_path):
     programs = meshlab_2020.private_install(BUILD / "meshlab-2020-gui", BUILD / "plugins" / "meshlab-2020.09",
                                             more=[BUILD / "tests" / "hosts" / "libgui_probe.so"])
     hosts.write_ply(tmp_path / "torus.ply", Cloud(torus(4000, 0.01, seed=1)))
-    names = [name for plugin in sorted((BUILD / "plugins" / "meshlab-2025.07").glob("*.so"))
-             for name, _ in hosts.filters_of(plugin)]
+    names = [f.name for f in hosts.all_filters()]
     process = subprocess.run(
         [str(programs / "meshlab"), str(tmp_path / "torus.ply")], cwd=tmp_path, stdin=subprocess.DEVNULL,
         env={**meshlab_2020.environment(display, tmp_path / "home"), "PROBE_FILTER": NOISY_POWER_CRUST.name,

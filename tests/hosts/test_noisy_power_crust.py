@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from conftest import HOSTS
-from hosts import NOISY_POWER_CRUST as FILTER, Cloud, Length
+from hosts import Cloud, Length
 from mesh_checks import assert_closed_manifold, examine, sphere, torus
+from released_filters import NOISY_POWER_CRUST as FILTER
 
 TORUS = torus(4000, 0.01, seed=1)
 
@@ -240,7 +241,7 @@ def test_cancelling_leaves_the_document_as_it_was(make_host, tmp_path):
 
 def test_progress_is_reported(tmp_path):
     """pymeshlab prints it; in a process of its own, since it writes past Python's standard output."""
-    text = ("import hosts, mesh_checks; from hosts import NOISY_POWER_CRUST as f; "
+    text = ("import hosts, mesh_checks; from released_filters import NOISY_POWER_CRUST as f; "
             "h = hosts.PyMeshLab(f.plugin); "
             "h.mesh_set(hosts.Cloud(mesh_checks.torus(4000, 0.01, 1)), verbose=True).apply_filter(f.python_name)")
     shown = subprocess.run([sys.executable, "-c", text], cwd=Path(__file__).parent, stdout=subprocess.PIPE,

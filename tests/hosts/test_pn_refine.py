@@ -3,28 +3,10 @@ import numpy as np
 import pytest
 
 from conftest import HOSTS
-from hosts import BUILD, Cloud, FilterSpec
+from hosts import Cloud
+from released_filters import PN_REFINEMENT as FILTER
 
 pymeshlab = pytest.importorskip("pymeshlab")
-FILTER = "meshing_point_cloud_refinement_pn"
-SPEC = FilterSpec(
-    "libfilter_pn_refine.so", "Point Cloud Refinement: PN Triangles", FILTER,
-    [("steps", "RichInt", 3, None),
-     ("target_radius", "RichAbsPerc", 0.0, None),
-     ("neighbourhood", "RichEnum", "automatic", ["automatic", "fast fuzzy BSP", "accurate geodesic"]),
-     ("fast", "RichBool", False, None),
-     ("initial_radius", "RichAbsPerc", 0.0, None),
-     ("hole_radius", "RichAbsPerc", 0.0, None),
-     ("boundary_angle", "RichFloat", 150.0, None),
-     ("crease_angle", "RichFloat", 45.0, None),
-     ("detect_creases", "RichBool", False, None),
-     ("preserve_boundaries", "RichBool", True, None),
-     ("preserve_creases", "RichBool", True, None),
-     ("repair_normals", "RichBool", True, None),
-     ("max_points", "RichInt", 50000000, None),
-     ("selected_only", "RichBool", False, None),
-     ("into_new_layer", "RichBool", True, None),
-     ("threads", "RichInt", 0, None)])
 
 
 def sphere_points(n, seed):
@@ -32,24 +14,20 @@ def sphere_points(n, seed):
     return points / np.linalg.norm(points, axis=1)[:, None]
 
 
-@pytest.fixture(scope="module", autouse=True)
-def plugin():
-    try:
-        pymeshlab.load_plugin(str(BUILD / "plugins" / "pymeshlab-2025.7" / "libfilter_pn_refine.so"))
-    except pymeshlab.PyMeshLabException as problem:
-        if "already" not in str(problem):
-            raise
+@pytest.fixture(autouse=True)
+def loaded(make_host):
+    make_host("pymeshlab", FILTER.plugin)
 
 
 @pytest.fixture(params=HOSTS)
 def host(request, make_host):
-    return make_host(request.param, SPEC.plugin)
+    return make_host(request.param, FILTER.plugin)
 
 
 def test_sphere_becomes_dense_in_every_host(host, tmp_path):
     # Without normals: the filter computes them. Quality: the height, so that what is interpolated is known.
     points = sphere_points(2000, 7)
-    outcome = host.run(SPEC, Cloud(points, quality=points[:, 2]), {"steps": 2}, tmp_path)
+    outcome = host.run(FILTER, Cloud(points, quality=points[:, 2]), {"steps": 2}, tmp_path)
     assert outcome.error is None, outcome.error
     assert outcome.layers == 2
     refined = outcome.surface.points
@@ -65,11 +43,11 @@ def test_sphere_becomes_dense_in_every_host(host, tmp_path):
 def test_parameters_reach_the_filter_in_every_host(host, tmp_path):
     points = sphere_points(1500, 8)
     cloud = Cloud(points, selected=np.arange(1500) < 200)
-    outcome = host.run(SPEC, cloud, {"steps": 2, "fast": True, "selected_only": True, "into_new_layer": False}, tmp_path)
+    outcome = host.run(FILTER, cloud, {"steps": 2, "fast": True, "selected_only": True, "into_new_layer": False}, tmp_path)
     assert outcome.error is None, outcome.error
     assert outcome.layers == 1
     assert 100 < outcome.values["new_points"] < 2500  # of all 1,500 points it would be five times that
-    outcome = host.run(SPEC, Cloud(points), {"steps": 6, "max_points": 4000}, tmp_path)
+    outcome = host.run(FILTER, Cloud(points), {"steps": 6, "max_points": 4000}, tmp_path)
     assert outcome.error is None, outcome.error
     assert 1500 < len(outcome.surface.points) <= 4000
 
@@ -78,7 +56,7 @@ def test_errors_leave_the_document_in_every_host(host, tmp_path):
     points = sphere_points(500, 9)
     for parameters, words in (({"boundary_angle": 10.0}, "boundary angle"), ({"steps": 31}, "steps"),
                               ({"crease_angle": -1.0}, "crease angle")):
-        outcome = host.run(SPEC, Cloud(points), parameters, tmp_path)
+        outcome = host.run(FILTER, Cloud(points), parameters, tmp_path)
         assert outcome.error and words in outcome.error
         assert outcome.unchanged
 
@@ -92,7 +70,7 @@ def mesh_set(points, **attributes):
 def test_sphere_becomes_dense_in_a_new_layer():
     points = sphere_points(1500, 1)
     meshes = mesh_set(points, v_normals_matrix=points)
-    values = meshes.apply_filter(FILTER, steps=3)
+    values = meshes.apply_filter(FILTER.python_name, steps=3)
     assert meshes.mesh_number() == 2
     refined = meshes.current_mesh()
     vertices = refined.vertex_matrix()
@@ -110,7 +88,7 @@ def test_colour_and_quality_lie_between_those_of_the_neighbours():
     colours = np.column_stack([(points + 1) / 2, np.ones(len(points))])
     quality = points[:, 2].copy()
     meshes = mesh_set(points, v_normals_matrix=points, v_color_matrix=colours, v_scalar_array=quality)
-    meshes.apply_filter(FILTER, steps=2)
+    meshes.apply_filter(FILTER.python_name, steps=2)
     refined = meshes.current_mesh()
     vertices = refined.vertex_matrix()
     assert np.abs(refined.vertex_scalar_array() - vertices[:, 2]).max() < 0.05
@@ -123,7 +101,7 @@ def test_colour_and_quality_lie_between_those_of_the_neighbours():
 def test_without_normals_they_are_computed():
     points = sphere_points(2000, 3)
     meshes = mesh_set(points)
-    meshes.apply_filter(FILTER, steps=1)
+    meshes.apply_filter(FILTER.python_name, steps=1)
     refined = meshes.current_mesh()
     cosines = np.einsum("ij,ij->i", refined.vertex_normal_matrix(), refined.vertex_matrix())
     assert np.mean(cosines > 0.9) > 0.99
@@ -134,7 +112,7 @@ def test_in_place_keeps_the_layer_and_its_faces():
     meshes.create_sphere(subdiv=4)
     before = meshes.current_mesh()
     points, faces = before.vertex_matrix(), before.face_matrix()
-    meshes.apply_filter(FILTER, steps=1, into_new_layer=False)
+    meshes.apply_filter(FILTER.python_name, steps=1, into_new_layer=False)
     assert meshes.mesh_number() == 1
     after = meshes.current_mesh()
     assert np.array_equal(after.vertex_matrix()[:len(points)], points)
@@ -146,7 +124,7 @@ def test_selected_vertices_only():
     points = sphere_points(2000, 4)
     meshes = mesh_set(points, v_normals_matrix=points)
     meshes.compute_selection_by_condition_per_vertex(condselect="z > 0")
-    meshes.apply_filter(FILTER, steps=2, selected_only=True)
+    meshes.apply_filter(FILTER.python_name, steps=2, selected_only=True)
     added = meshes.current_mesh().vertex_matrix()[2000:]
     assert len(added) > 2000
     assert added[:, 2].min() > -0.3
@@ -156,7 +134,7 @@ def test_a_wrong_option_is_named_and_changes_nothing():
     points = sphere_points(500, 5)
     meshes = mesh_set(points, v_normals_matrix=points)
     with pytest.raises(pymeshlab.PyMeshLabException, match="boundary angle"):
-        meshes.apply_filter(FILTER, boundary_angle=10.0)
+        meshes.apply_filter(FILTER.python_name, boundary_angle=10.0)
     assert meshes.mesh_number() == 1
     assert np.array_equal(meshes.current_mesh().vertex_matrix(), points)
 
@@ -164,6 +142,6 @@ def test_a_wrong_option_is_named_and_changes_nothing():
 def test_a_step_beyond_the_largest_number_is_not_done():
     points = sphere_points(1000, 6)
     meshes = mesh_set(points, v_normals_matrix=points)
-    values = meshes.apply_filter(FILTER, steps=8, max_points=5000)
+    values = meshes.apply_filter(FILTER.python_name, steps=8, max_points=5000)
     assert 1000 < meshes.current_mesh().vertex_number() <= 5000
     assert "points_step_8" not in values
