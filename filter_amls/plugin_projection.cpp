@@ -55,17 +55,15 @@ plugin::ParameterTable<ProjectionFilterOptions> projection_table()
     using Options = ProjectionFilterOptions;
     return plugin::ParameterTable<Options>()
         .number(
-            "rho_e", [](Options& o) -> double& { return o.surface.rho_e; }, "rho_e",
+            "rho_e", [](Options& o) -> double& { return o.surface.rho_e; }, "Width (rho_e)",
             "Width of the Gaussian weights in local feature sizes. 0: chosen from noise, spacing and curvature, point "
-            "by "
-            "point; the result values tell which rho_e that amounts to. The paper uses 0.75.")
+            "by point; the result values tell which rho_e that amounts to. The paper uses 0.75.")
         .length(
             "noise", [](Options& o) -> double& { return o.surface.noise; }, "Noise",
             "Standard deviation of the noise. 0: estimated, locally.")
         .choice("normals", &Options::normals, {"estimate", "use the layer's"}, "Normals",
                 "estimate: no normals are needed. use the layer's: the normals of the layer that defines the surface "
-                "decide "
-                "which side is outside.")
+                "decide which side is outside.")
         .choice(
             "weights", &Options::weights, {"anchors with curvature", "paper's normalised I", "paper's plain N"},
             "Weights",
@@ -79,7 +77,7 @@ plugin::ParameterTable<ProjectionFilterOptions> projection_table()
                 "What is farther than this many widths does not count. 0: 2.2 for anchors (at most 2.8), 5 for the "
                 "paper's.")
         .flag("remove_outliers", &Options::remove_outliers, "Remove outliers",
-              "Delete isolated points. Otherwise they are selected and never moved.")
+              "Delete isolated points. Otherwise they stay where they are and become the selection.")
         .flag("select_not_converged", &Options::select_not_converged, "Select what did not converge",
               "Select also the points whose projection has not converged.")
         .text("surface_layer", &Options::surface_layer, "Surface layer",

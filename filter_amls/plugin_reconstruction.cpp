@@ -16,10 +16,9 @@ plugin::ParameterTable<ReconstructionFilterOptions> reconstruction_table()
 {
     using Options = ReconstructionFilterOptions;
     return plugin::ParameterTable<Options>()
-        .number("rho_e", &Options::rho_e, "Width",
+        .number("rho_e", &Options::rho_e, "Width (rho_e)",
                 "Width of the Gaussian weights in local feature sizes (the paper uses 0.75). 0: automatic, from noise, "
-                "spacing "
-                "and curvature.")
+                "spacing and curvature.")
         .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
         .choice("keep_components", &Options::keep_components, {"largest", "all"}, "Keep components",
                 "Stray shells are dropped by keeping only the component that encloses the largest volume.")
@@ -63,11 +62,10 @@ plugin::FilterSpec recon::plugin_filters::describe_reconstruction()
     spec.name = "Surface Reconstruction: AMLS";
     spec.python_name = "generate_surface_reconstruction_amls";
     spec.info = std::string("Makes a <b>smooth closed surface</b> from points that are <b>noisy</b> and have <b>no "
-                            "normals</b>: the points are "
-                            "moved onto their AMLS surface and thinned, a power crust of them gives the triangles, and "
-                            "its vertices are put on "
-                            "the AMLS surface. Points without noise stay where they are. Holes of the scan are closed. "
-                            "Nothing needs to be tuned.<br><br>") +
+                            "normals</b>: the points are moved onto their AMLS surface and thinned, a power crust of "
+                            "them gives the triangles, and its vertices are put on the AMLS surface. Points without "
+                            "noise stay where they are. Holes of the scan are closed. Nothing needs to be "
+                            "tuned.<br>Colour and quality are taken from the nearest point.<br><br>") +
                 citation;
     spec.category = plugin::Category::remeshing | plugin::Category::point_set;
     spec.effects = plugin::Effect::makes_layer;

@@ -86,7 +86,8 @@ plugin::ParameterTable<MedialAxisFilterOptions> medial_axis_table()
 {
     using Options = MedialAxisFilterOptions;
     return plugin::ParameterTable<Options>()
-        .choice("side", &Options::side, {"inner", "outer", "both"}, "Side", "On which side of the surface.")
+        .choice("side", &Options::side, {"inner", "outer", "both"}, "Side",
+                "On which side of the surface. The union whose volume is among the results is that of the inner balls.")
         .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
                 "Polar balls smaller than this are dropped. 0: chosen automatically and locally.")
         .number("object_angle", &Options::object_angle, "Object angle",

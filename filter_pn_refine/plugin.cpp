@@ -45,8 +45,7 @@ plugin::ParameterTable<Options> table()
                 "Normals that differ by more make a crease, 0 to 180 degrees.")
         .flag("detect_creases", &Options::detect_creases, "Detect creases",
               "Puts crease points between neighbours whose normals differ by more than the crease angle. Off: creases "
-              "are "
-              "only where two vertices share one position.")
+              "are only where two vertices share one position.")
         .flag("preserve_boundaries", &Options::preserve_boundaries, "Preserve boundaries",
               "Refines rims along their own curves.")
         .flag("preserve_creases", &Options::preserve_creases, "Preserve creases",
@@ -68,6 +67,22 @@ bool has_normals(const plugin::InputLayer& layer)
 {
     return std::any_of(layer.normals.begin(), layer.normals.end(),
                        [](const recon::Vector& n) { return n.allFinite() && n.squaredNorm() > 0; });
+}
+
+recon::Vectors compute_normals(const recon::Points& points, int threads, const recon::Progress& progress)
+{
+    recon::DelaunayBallOptions options;
+    options.threads = threads;
+    try
+    {
+        return recon::find_delaunay_ball_normals(points, options, progress).normals;
+    }
+    catch (const recon::InvalidInput& problem) // of flat clouds, which can be refined all the same
+    {
+        throw recon::InvalidInput(std::string(problem.what()) +
+                                  " Or give the layer normals, for example with the filter 'Compute normals for point "
+                                  "sets': it has none, and Delaunay balls do not tell them here.");
+    }
 }
 
 std::vector<plugin::Colour> interpolate_colours(const recon::PnRefinement& refined,
@@ -130,10 +145,7 @@ plugin::FilterResult refine(const plugin::InputLayer& layer, const Options& opti
     const bool own_normals = has_normals(layer);
     if (!own_normals)
     {
-        recon::DelaunayBallOptions ball_options;
-        ball_options.threads = options.threads;
-        samples.normals =
-            recon::find_delaunay_ball_normals(layer.points, ball_options, progress.part(0, 0.3, "normals")).normals;
+        samples.normals = compute_normals(layer.points, options.threads, progress.part(0, 0.3, "normals"));
         result.warnings.push_back("The layer has no normals: they were computed from Delaunay balls.");
     }
     recon::PnRefineHints hints;
@@ -143,6 +155,9 @@ plugin::FilterResult refine(const plugin::InputLayer& layer, const Options& opti
     recon::PnRefinement refined =
         recon::refine_points(samples, options, hints, progress.part(own_normals ? 0 : 0.3, 1, "refining"));
     describe(refined, result);
+    if (options.steps > 0 && refined.points.empty())
+        result.warnings.push_back("No point was added. Usual causes: an initial radius far from the points' spacing, a "
+                                  "target radius that is reached already, a small largest number of points.");
 
     std::vector<plugin::Colour> colours = interpolate_colours(refined, layer.colours);
     std::vector<double> quality;
@@ -197,12 +212,10 @@ plugin::PluginSpec plugin::describe_plugin()
     filter.name = "Point Cloud Refinement: PN Triangles";
     filter.python_name = "meshing_point_cloud_refinement_pn";
     filter.info = "Makes a sparse <b>point cloud with normals</b> dense and smooth. The points stay where they are; "
-                  "between them new "
-                  "ones are put onto curved triangles that follow the normals, step by step, until the cloud looks "
-                  "like a surface. "
-                  "New vertices get position, normal, radius, and colour and quality between those of their "
-                  "neighbours. Sharp creases "
-                  "(two vertices at one position with different normals) and rims are kept, holes can be filled.<br>"
+                  "between them new ones are put onto curved triangles that follow the normals, step by step, until "
+                  "the cloud looks like a surface. New vertices get position, normal, radius, and colour and quality "
+                  "between those of their neighbours. Sharp creases (two vertices at one position with different "
+                  "normals) and rims are kept, holes can be filled.<br>"
                   "Without normals, they are computed from Delaunay balls first.<br><br>"
                   "See:<br><i>G. Guennebaud, L. Barthe, M. Paulin</i><br>"
                   "<b>\"Interpolatory Refinement for Real-Time Processing of Point-Based Geometry\"</b><br>"
