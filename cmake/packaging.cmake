@@ -1,5 +1,5 @@
 # `cmake --build build --target package`: one archive per host, meshlab-point-surfaces-<version>-<host>.tar.gz, that holds the
-# plugins, the licence and how to install them.
+# plugins, the licence, how to install them, what the filters' parameters are, and a script for each.
 set(CPACK_PACKAGE_NAME meshlab-point-surfaces)
 set(CPACK_PACKAGE_VENDOR "MeshLab Point Surfaces")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -10,6 +10,8 @@ set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_INCLUDE_TOPLEVEL_DIRECTORY OFF)
 set(CPACK_COMPONENTS_ALL ${POINT_SURFACES_HOST_LIST})
 foreach(host IN LISTS POINT_SURFACES_HOST_LIST)
-    install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/cmake/INSTALL.md DESTINATION ${host} COMPONENT ${host})
+    install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/cmake/INSTALL.md ${PROJECT_SOURCE_DIR}/FILTERS.md
+        DESTINATION ${host} COMPONENT ${host})
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${host} COMPONENT ${host} FILES_MATCHING PATTERN "*.mlx")
 endforeach()
 include(CPack)

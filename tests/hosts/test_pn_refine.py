@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from conftest import HOSTS
-from hosts import Cloud
+from hosts import Cloud, Length
 from released_filters import PN_REFINEMENT as FILTER
 
 pymeshlab = pytest.importorskip("pymeshlab")
@@ -145,3 +145,26 @@ def test_a_step_beyond_the_largest_number_is_not_done():
     values = meshes.apply_filter(FILTER.python_name, steps=8, max_points=5000)
     assert 1000 < meshes.current_mesh().vertex_number() <= 5000
     assert "points_step_8" not in values
+
+
+def flat_points(n):
+    return np.column_stack([np.random.default_rng(10).uniform(size=(n, 2)), np.zeros(n)])
+
+
+def test_a_flat_cloud_is_refined_with_normals_and_refused_without():
+    points = flat_points(500)
+    meshes = mesh_set(points, v_normals_matrix=np.tile([0.0, 0, 1], (500, 1)))
+    assert meshes.apply_filter(FILTER.python_name, steps=1)["new_points"] > 250
+    assert np.all(meshes.current_mesh().vertex_matrix()[:, 2] == 0)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="Compute normals for point sets"):
+        mesh_set(points).apply_filter(FILTER.python_name)
+
+
+def test_a_run_that_adds_nothing_says_so(make_host, tmp_path):
+    host = make_host("meshlab-2025.07", FILTER.plugin)
+    cloud = Cloud(sphere_points(500, 11))
+    assert "No point was added" not in host.run(FILTER, cloud, {"steps": 1}, tmp_path).log
+    for parameters in ({"initial_radius": Length(100, per_cent=True)}, {"max_points": 500}):
+        outcome = host.run(FILTER, cloud, parameters, tmp_path)
+        assert outcome.values["new_points"] == 0
+        assert "No point was added" in outcome.log
