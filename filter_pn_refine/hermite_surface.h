@@ -16,8 +16,10 @@ class HermiteSurface
 {
 public:
     /// \param nearest indices of `count` samples at different places. Computes relative to `origin`, in units of
-    /// `unit`.
-    HermiteSurface(const OrientedSamples& samples, const int* nearest, int count, const Point& origin, double unit)
+    /// `unit`. \param slack of the gradients, 0 or more: they are met the less the larger it is, for a smoother
+    /// function (ridge regression); the values are met anyhow.
+    HermiteSurface(const OrientedSamples& samples, const int* nearest, int count, const Point& origin, double unit,
+                   double slack = 0)
         : origin_(origin), unit_(unit), count_(count)
     {
         for (int i = 0; i < count; ++i)
@@ -38,6 +40,7 @@ public:
                     matrix.block<3, 3>(4 * i + 1, 4 * j + 1) =
                         -3 * (r * Eigen::Matrix3d::Identity() + d * d.transpose() / r);
             }
+            matrix.block<3, 3>(4 * i + 1, 4 * i + 1).diagonal().array() += slack;
             const int linear = 4 * count;
             matrix(4 * i, linear) = matrix(linear, 4 * i) = 1;
             matrix.block<1, 3>(4 * i, linear + 1) = points_[i].transpose();

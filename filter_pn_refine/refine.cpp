@@ -174,6 +174,8 @@ public:
             prepare_added(usable, fans);
             spacing = find_spacing(usable.samples, usable.nearest, threads_);
         }
+        if (!options_.fast)
+            normal_noise_ = estimate_normal_noise(usable);
         usable.nearest = {};
         find_segments(usable, fans);
         start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
@@ -398,7 +400,7 @@ private:
         Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale(), {}};
         if (!options_.fast && usable_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
-            { move_onto_sample_surface(*usable_, level_.points, corners, made); };
+            { move_onto_sample_surface(*usable_, normal_noise_, level_.points, corners, made); };
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};
         const Progress growing = progress.part(0.9, 1, progress_name);
@@ -471,6 +473,7 @@ private:
     const int input_count_;
     const PnRefineHints& hints_;
     std::optional<UsableSamples> usable_; ///< Until the first step is done.
+    double normal_noise_ = 0;             ///< As in estimate_normal_noise().
     Level level_;
     std::vector<Segment> segments_;
     float spacing_ratio_ = 1; ///< By which points have come nearer to each other since the start.

@@ -2,6 +2,8 @@
 
 #include "filter_pn_refine/hermite_surface.h"
 #include "filter_pn_refine/refine.h"
+#include "filter_pn_refine/sample_surface.h"
+#include "filter_pn_refine/usable_samples.h"
 
 #include "tests/shapes.h"
 
@@ -47,6 +49,47 @@ TEST(HermiteSurface, ProjectsOntoTheSphereThatWasSampled)
         EXPECT_NEAR(p.norm(), 1, 1e-3);
         EXPECT_GT(gradient.normalized().dot(p.normalized()), 0.9999);
     }
+}
+
+/// Noise on both tangent axes of each normal: its standard deviation is the tangent of the angle.
+OrientedSamples with_noisy_normals(OrientedSamples samples, double tangent)
+{
+    const Points moved = shapes::with_noise(samples.normals, tangent, 7);
+    for (std::size_t i = 0; i < samples.normals.size(); ++i)
+    {
+        Vector& n = samples.normals[i];
+        const Vector aside = moved[i] - n;
+        n = (n + aside - aside.dot(n) * n).normalized();
+    }
+    return samples;
+}
+
+TEST(NormalNoise, IsEstimated)
+{
+    const OrientedSamples clean = shapes::torus(3000, 1, 0.4, 5);
+    for (const double noise : {0.0, 0.1, 0.2})
+    {
+        pn::UsableSamples usable;
+        const OrientedSamples samples = with_noisy_normals(clean, noise);
+        pn::choose_usable_samples(samples, UnitFrame(samples.points), 0.8, 1, {}, usable);
+        EXPECT_NEAR(pn::estimate_normal_noise(usable), noise, 0.03);
+    }
+}
+
+TEST(NormalNoise, IsSmoothedInNewPoints)
+{
+    const OrientedSamples samples = with_noisy_normals(shapes::sphere(1500, 1, 6), 0.35);
+    double error[2];
+    for (const bool fast : {false, true}) // which keeps to PN triangles
+    {
+        PnRefineOptions options = one_thread(1);
+        options.fast = fast;
+        const PnRefinement refined = refine_points(samples, options);
+        error[fast] = 0;
+        for (const Point& p : refined.points)
+            error[fast] += std::pow(p.norm() - 1, 2) / double(refined.points.size());
+    }
+    EXPECT_LT(error[0], 0.4 * error[1]);
 }
 
 /// How much of the rim of a flat ellipsoid (half axes 1, 1, h) has a point nearer than `reach` whose normal is not that
