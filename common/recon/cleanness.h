@@ -17,15 +17,16 @@ struct Cleanness
     double flat_neighbours = 0;
     /// Distance of the 12 nearest to their best quadric over that of the 32 nearest to theirs (root mean squares of the
     /// degrees of freedom), the lower quartile of the samples. What a quadric cannot follow grows with the piece, noise
-    /// does not. Measured: 0 to 0.45 on clean clouds (0.55 on fractal rock), 0.6 to 0.83 on scans and noisy copies.
+    /// does not. Measured: 0 to 0.45 on clean clouds however coarse (0.53 on fractal rock), 0.5 to 0.83 on scans and
+    /// noisy samples where the projection onto the AMLS surface lowered the error.
     double whiteness = 0;
     /// The former distance, its median [spacings of the place].
     double roughness = 0;
 
     bool is_clean() const { return long_cells > 0.7 || flat_neighbours > 0.63; }
     /// Whether a wider fit follows the samples as well as a narrow one, so that averages gain and lose nothing. Noise
-    /// of more than 0.35 spacings leaves neither long cells nor flat neighbours; two near sheets are as rough.
-    bool is_smooth_but_noisy() const { return whiteness > 0.6 && roughness > 0.05 && roughness < 0.35; }
+    /// of more than 0.45 spacings leaves neither long cells nor flat neighbours; two near sheets are as rough.
+    bool is_smooth_but_noisy() const { return whiteness > 0.5 && roughness > 0.05 && roughness < 0.45; }
 };
 
 /// Taken at 200 samples from the Delaunay triangulations of their 32 nearest, so it costs little beside any
