@@ -47,6 +47,13 @@ class Length:
     per_cent: bool = False
 
 
+def selecting_condition(selected):
+    """For MeshLab's conditional selection."""
+    ids = np.flatnonzero(selected)
+    assert len(ids) == ids[-1] - ids[0] + 1, "only a run of vertices can be selected"
+    return f"(vi >= {ids[0]}) && (vi <= {ids[-1]})"
+
+
 def colours_of(cloud):
     return np.full((len(cloud.points), 4), 255) if cloud.colours is None else cloud.colours
 
@@ -78,10 +85,7 @@ class PyMeshLab:
             if not np.array_equal(cloud.transform, np.eye(4)):
                 meshes.set_matrix(transformmatrix=cloud.transform, freeze=False)
             if cloud.selected is not None and np.any(cloud.selected):
-                ids = np.flatnonzero(cloud.selected)
-                meshes.compute_selection_by_condition_per_vertex(
-                    condselect=" || ".join(f"(vi == {i})" for i in ids) if len(ids) < 8 else
-                    f"(vi >= {ids.min()}) && (vi <= {ids.max()})")
+                meshes.compute_selection_by_condition_per_vertex(condselect=selecting_condition(cloud.selected))
         return meshes
 
     def arguments(self, parameters):
@@ -295,9 +299,8 @@ class MeshLabServer2020:
                                f"   <MLMatrix44>\n{rows}\n</MLMatrix44>\n  </MLMesh>\n </MeshGroup>\n <RasterGroup/>\n</MeshLabProject>\n")
             arguments += ["-p", project.name]
             if cloud.selected is not None and np.any(cloud.selected):
-                ids = np.flatnonzero(cloud.selected)
                 filters.append(("Conditional Vertex Selection",
-                                [("condSelect", "RichString", f"(vi >= {ids.min()}) && (vi <= {ids.max()})", {})]))
+                                [("condSelect", "RichString", selecting_condition(cloud.selected), {})]))
         filters.append((filter_spec.name, self.parameters(filter_spec, parameters, cloud)))
         (folder / "script.mlx").write_text(meshlab_2020.script(*filters))
         masks = ["-m", "vc", "vq"]
