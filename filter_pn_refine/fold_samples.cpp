@@ -51,8 +51,8 @@ struct Surroundings
 class Walk
 {
 public:
-    Walk(const UsableSamples& usable, std::size_t from, double spacing)
-        : usable_(usable), from_(from), spacing_(spacing)
+    Walk(const UsableSamples& usable, std::size_t from, double spacing, double slack)
+        : usable_(usable), from_(from), spacing_(spacing), slack_(slack)
     {
     }
 
@@ -89,7 +89,7 @@ private:
         usable_.search->nearest(p, fitted, nearest, squared);
         if (std::any_of(nearest, nearest + fitted, [&](int j) { return usable_.is_crease[std::size_t(j)] != 0; }))
             return false;
-        const HermiteSurface surface(usable_.samples, nearest, fitted, p, spacing_);
+        const HermiteSurface surface(usable_.samples, nearest, fitted, p, spacing_, slack_);
         constexpr int parts = 3; // so that it follows the bend
         constexpr double length = stride / parts;
         for (int part = 0; part < parts; ++part)
@@ -147,7 +147,7 @@ private:
 
     const UsableSamples& usable_;
     const std::size_t from_;
-    const double spacing_;
+    const double spacing_, slack_;
 };
 
 /// Directions into the open gaps of a fan, a quarter turn apart [radians in the tangent frame].
@@ -209,7 +209,8 @@ AddedSamples thin_out(std::vector<FoldSample> found)
 } // namespace
 
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          const std::function<bool(std::size_t)>& may_start, int threads, const Progress& progress)
+                          double slack, const std::function<bool(std::size_t)>& may_start, int threads,
+                          const Progress& progress)
 {
     const OrientedSamples& samples = usable.samples;
     const std::size_t n = samples.points.size();
@@ -228,7 +229,7 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
             if (fans.widest_gap[i] <= open_gap || !has_fold || !(spacing[i] > 0) || !may_start(i))
                 return;
             const Vector e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
-            const Walk walk(usable, i, double(spacing[i]));
+            const Walk walk(usable, i, double(spacing[i]), slack);
             for (double t : directions_into_gaps(samples, fans, i, e1, e2))
             {
                 const Vector along = std::cos(t) * e1 + std::sin(t) * e2;

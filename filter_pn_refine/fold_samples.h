@@ -12,9 +12,11 @@ namespace recon::pn
 /// Samples for folds that the input shows too sparsely for PN triangles: rims of ears, tips of fingers, where the
 /// normals of the nearest samples differ by more than neighbours' may. From each sample whose fan is open there, a walk
 /// on the surface that interpolates the samples around (HermiteSurface) leads into the gap; where it comes among
-/// samples again, what it passed is put in. \param spacing as from find_spacing(). \param may_start whether walks may
+/// samples again, what it passed is put in. \param spacing as from find_spacing(). \param slack of the
+/// surface's gradients. \param may_start whether walks may
 /// begin at a sample.
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          const std::function<bool(std::size_t)>& may_start, int threads, const Progress& progress);
+                          double slack, const std::function<bool(std::size_t)>& may_start, int threads,
+                          const Progress& progress);
 
 } // namespace recon::pn

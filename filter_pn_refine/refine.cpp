@@ -4,6 +4,7 @@
 #include "fold_samples.h"
 #include "hole_filling.h"
 #include "initial_fans.h"
+#include "normal_noise.h"
 #include "normal_repair.h"
 #include "refine_leaf.h"
 #include "sample_surface.h"
@@ -165,6 +166,8 @@ public:
         if (options_.hole_radius > 0 && fill(usable, fans))
             prepare_added(usable, fans);
         std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
+        if (!options_.fast)
+            slack_ = slack_of_gradients(estimate_normal_noise(usable));
         // Twice: what the first pass made shows the way to more.
         for (int pass = 0; !options_.fast && pass < 2; ++pass)
         {
@@ -174,8 +177,6 @@ public:
             prepare_added(usable, fans);
             spacing = find_spacing(usable.samples, usable.nearest, threads_);
         }
-        if (!options_.fast)
-            normal_noise_ = estimate_normal_noise(usable);
         usable.nearest = {};
         find_segments(usable, fans);
         start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
@@ -243,7 +244,8 @@ private:
                         const Progress& progress)
     {
         const auto may_start = [&](std::size_t i) { return !is_frozen(usable.input[i]); };
-        const int made = put_in(usable, sample_folds(usable, fans, spacing, may_start, threads_, progress), false);
+        const int made =
+            put_in(usable, sample_folds(usable, fans, spacing, slack_, may_start, threads_, progress), false);
         result_.fold_points += made;
         return made > 0;
     }
@@ -400,7 +402,7 @@ private:
         Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale(), {}};
         if (!options_.fast && usable_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
-            { move_onto_sample_surface(*usable_, normal_noise_, level_.points, corners, made); };
+            { move_onto_sample_surface(*usable_, slack_, level_.points, corners, made); };
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};
         const Progress growing = progress.part(0.9, 1, progress_name);
@@ -473,7 +475,7 @@ private:
     const int input_count_;
     const PnRefineHints& hints_;
     std::optional<UsableSamples> usable_; ///< Until the first step is done.
-    double normal_noise_ = 0;             ///< As in estimate_normal_noise().
+    double slack_ = 0;                    ///< Of a HermiteSurface's gradients.
     Level level_;
     std::vector<Segment> segments_;
     float spacing_ratio_ = 1; ///< By which points have come nearer to each other since the start.

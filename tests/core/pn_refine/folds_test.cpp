@@ -1,8 +1,8 @@
 #include "one_thread.h"
 
 #include "filter_pn_refine/hermite_surface.h"
+#include "filter_pn_refine/normal_noise.h"
 #include "filter_pn_refine/refine.h"
-#include "filter_pn_refine/sample_surface.h"
 #include "filter_pn_refine/usable_samples.h"
 
 #include "tests/shapes.h"
