@@ -25,9 +25,11 @@ constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
 constexpr double slack = 0.35;         // widths: how far a point may move before its anchors are gathered again
 constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
-constexpr double least_step = 1e-5;                           // widths: floats resolve 1e-7
-constexpr double uneven = 1.25;                               // root of the ratio of neighbouring widths
-constexpr double run_radius = 0.65;                           // widths
+constexpr double turning =
+    3; // times 1 - cosine of the turn: how much stricter that is with anchors that face elsewhere
+constexpr double least_step = 1e-5; // widths: floats resolve 1e-7
+constexpr double uneven = 1.25;     // root of the ratio of neighbouring widths
+constexpr double run_radius = 0.65; // widths
 constexpr int longest_run = 64;
 
 /// Anchors near a ball of points, side by side for the vector units.
@@ -101,18 +103,28 @@ private:
     double radius_ = 0, width_ = 0;
 };
 
-/// W, sum theta d, sum theta grad d, and the number of anchors that count.
+/// Which anchors agree with a point: those that pass it nearby, the nearer the less they face as the surface does
+/// there.
+struct Agreement
+{
+    float inverse_distance = 0; ///< 0: all do.
+    float normal[3] = {0, 0, 0};
+    float turning = 0;
+};
+
+/// W, sum theta d, sum theta grad d, and the number of anchors that count; smooth_gradient: wherever they face.
 struct Sums
 {
-    double weight, distance, gradient[3], count;
+    double weight, distance, gradient[3], smooth_gradient[3], count;
 };
 
 RECON_VECTOR_CLONES
 void sum_anchors(const float* values, std::size_t stride, const float* p, const float* side, float inverse_width,
-                 float cut, float inverse_agreeing, Sums* sums)
+                 float cut, const Agreement& agreement, Sums* sums)
 {
     using G = GatheredAnchors;
-    Lanes weight = {}, distance = {}, gx = {}, gy = {}, gz = {}, count = {};
+    Lanes weight = {}, distance = {}, gx = {}, gy = {}, gz = {}, sx = {}, sy = {}, sz = {}, count = {};
+    const float* face = agreement.normal;
     const float limit = cut * cut;
     const Lanes zero = {}, one = zero + 1.0f, most = zero + 8.0f;
     for (std::size_t i = 0; i < stride; i += simd::lane_count)
@@ -133,13 +145,20 @@ void sum_anchors(const float* values, std::size_t stride, const float* p, const 
                     qy = qxy * ux + simd::load(v + G::qyy * stride) * uy + qyz * uz,
                     qz = qxz * ux + qyz * uy + simd::load(v + G::qzz * stride) * uz;
         const Lanes d = ux * (nx - qx) + uy * (ny - qy) + uz * (nz - qz);
-        const Lanes off = d * inverse_agreeing, damping = 1.0f / (1.0f + off * off);
-        w *= damping * damping;
+        const Lanes off = d * agreement.inverse_distance;
+        const Lanes turn = (one - (nx * face[0] + ny * face[1] + nz * face[2])) * agreement.turning;
+        const Lanes near = 1.0f / (1.0f + off * off), alike = 1.0f / (1.0f + off * off * (one + turn));
+        const Lanes smooth = w * near * near;
+        w *= alike * alike;
+        const Lanes dx = nx - 2.0f * qx, dy = ny - 2.0f * qy, dz = nz - 2.0f * qz;
         weight += w;
         distance += w * d;
-        gx += w * (nx - 2.0f * qx);
-        gy += w * (ny - 2.0f * qy);
-        gz += w * (nz - 2.0f * qz);
+        gx += w * dx;
+        gy += w * dy;
+        gz += w * dz;
+        sx += smooth * dx;
+        sy += smooth * dy;
+        sz += smooth * dz;
         count += w > zero ? one : zero;
     }
     sums->weight = simd::sum(weight);
@@ -147,6 +166,9 @@ void sum_anchors(const float* values, std::size_t stride, const float* p, const 
     sums->gradient[0] = simd::sum(gx);
     sums->gradient[1] = simd::sum(gy);
     sums->gradient[2] = simd::sum(gz);
+    sums->smooth_gradient[0] = simd::sum(sx);
+    sums->smooth_gradient[1] = simd::sum(sy);
+    sums->smooth_gradient[2] = simd::sum(sz);
     sums->count = simd::sum(count);
 }
 
@@ -183,11 +205,12 @@ public:
 
         const double enough = std::max(options_.tolerance / std::sqrt(scale.density), least_step * h);
         Point x = start;
-        Vector gradient = side;
+        Vector gradient = side, smooth_gradient = side;
         double width = h;
         int widened = 0, step_count = 0;
         // Once x lies about where most anchors agree, those that do not, as beyond a crease, lose weight; not before,
-        // or a point in the tail of the noise would agree with the wrong ones.
+        // or a point in the tail of the noise would agree with the wrong ones. The normal told does not listen to
+        // turns: at a tip few anchors could outvote the side.
         bool settled = false;
         const double agreeing = std::max(agreeing_sigmas * scale.sigma, agreeing_widths * h);
         ProjectionStatus status = ProjectionStatus::not_converged;
@@ -201,9 +224,16 @@ public:
                 anchors = &around_point_;
             }
             const Eigen::Vector3f local = (x - anchors->centre()).cast<float>();
+            Agreement agreement;
+            if (settled)
+            {
+                agreement.inverse_distance = float(1 / agreeing);
+                agreement.turning = options_.sharp ? float(turning) : 0;
+                Eigen::Vector3f::Map(agreement.normal) = gradient.normalized().cast<float>();
+            }
             Sums sums;
             sum_anchors(anchors->values(), anchors->stride(), local.data(), facing.data(), float(1 / width),
-                        float(options_.cut_off), settled ? float(1 / agreeing) : 0, &sums);
+                        float(options_.cut_off), agreement, &sums);
             if (!(sums.weight >= least_weight))
             {
                 if (widened > widenings)
@@ -222,6 +252,7 @@ public:
                 step *= h / length;
             x += step;
             gradient = g;
+            smooth_gradient = Vector::Map(sums.smooth_gradient);
             ++step_count;
             result.neighbours[i] = std::uint16_t(std::min(sums.count, 65535.0));
             if (length <= enough && (settled || options_.max_iterations == 1))
@@ -247,9 +278,9 @@ public:
         }
         result.points[i] = x;
         result.status[i] = status;
-        const double norm = gradient.norm();
+        const double norm = smooth_gradient.norm();
         if (norm > 0 && std::isfinite(norm))
-            result.normals[i] = gradient / norm;
+            result.normals[i] = smooth_gradient / norm;
     }
 
 private:

@@ -20,6 +20,7 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
 {
     AmlsProjectionOptions options;
     options.threads = threads;
+    options.sharp = false; // where sheets crowd, samples that settle apart make handles
     const AmlsProjection projected = project_to_amls(points, surface, options, progress.part(0, 0.8, "projection"));
     SurfaceSamples result;
     OrientedSamples kept;

@@ -418,6 +418,21 @@ TEST(AmlsSurface, RefusesHostileInput)
     EXPECT_THROW(build_amls_surface(sphere, {}, {}, Vectors(3, Vector::UnitX())), InvalidInput);
 }
 
+TEST(AmlsProjection, SharpErrsLessAtCreases)
+{
+    const Vector sides(1, 0.18, 0.5);
+    const Points noisy = shapes::with_noisy_copies(shapes::box(3000, sides, 45).points, 0.02, 4, 46);
+    const AmlsSurface surface = build_amls_surface(noisy);
+    AmlsProjectionOptions smooth;
+    smooth.sharp = false;
+    const auto error = [&](const AmlsProjectionOptions& options)
+    {
+        return rms(project_to_amls(noisy, surface, options).points,
+                   [&](const Point& p) { return shapes::distance_to_box(p, sides); });
+    };
+    EXPECT_LT(error({}), error(smooth));
+}
+
 TEST(AmlsSurface, SurvivesStrangeClouds)
 {
     const auto check = [](const Points& points, const char* what)
