@@ -175,7 +175,6 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     SamplePreparationOptions preparation;
     preparation.denoise = options.denoise;
     preparation.noise = options.noise;
-    preparation.bearable_noise = 0.05;
     preparation.threads = options.threads;
     BallLabellingOptions labelling;
     labelling.ball_threshold = options.ball_threshold;

@@ -3,7 +3,6 @@
 #include "filter_amls/sample_surface.h"
 
 #include <recon/cleanness.h>
-#include <recon/noise.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
 
@@ -15,10 +14,9 @@ namespace recon
 namespace
 {
 
-/// Noise above which a cloud is noisy, if it is so nearly everywhere [spacings]. Corners of coarse models read as noise
-/// to any estimate: nine of ten places of clean clouds exceed 0.19 at most (dino.off, 3,916 vertices), those of clouds
-/// with one sample a spot and noise of 0.2 exceed 0.2 to 0.24.
-constexpr double coarse_noise = 0.2;
+/// Roughness above which a cloud is noisy, if it is so nearly everywhere [spacings]. Clean coarse models have 0.06 at
+/// most, clouds with one sample a spot 0.12 at a noise of 0.2.
+constexpr double coarse_noise = 0.11;
 /// Share of flat neighbours above which that is thin walls, not noise: 0.83 on casting, whose walls read as noise
 /// of 1.1 spacings, 0.77 to 0.84 on sheets one spacing thick, 0.68 to 0.74 at a noise of 0.2.
 constexpr double certainly_flat = 0.75;
@@ -52,16 +50,13 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     const bool is_exact = !result.completion.points.empty();
     times.begin("gate");
     result.is_noisy = !cleanness.is_clean() && !is_exact;
-    if (!result.is_noisy && !is_exact && options.denoise != Denoise::on)
+    if (!result.is_noisy && !is_exact)
     {
-        NoiseOptions noise_options;
-        noise_options.threads = options.threads;
-        const NoiseEstimate found = estimate_noise(sorted, noise_options, progress.part(0, 0.1, "noise"));
-        result.noise = options.noise > 0 ? options.noise : found.median_sigma();
         result.is_doubtful = !cleanness.is_smooth_but_noisy() && cleanness.flat_neighbours < certainly_flat &&
-                             found.least_noise() > coarse_noise;
-        result.is_noisy = cleanness.is_smooth_but_noisy() || result.is_doubtful || result.noise > options.bearable_noise * found.median_spacing();
+                             cleanness.least_roughness > coarse_noise;
+        result.is_noisy = cleanness.is_smooth_but_noisy() || result.is_doubtful;
     }
+    result.noise = options.noise > 0 ? options.noise : cleanness.noise * result.frame.scale();
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);
 
     if (result.denoised || (options.needs_surface && result.is_noisy))

@@ -25,9 +25,6 @@ struct SamplePreparationOptions
     Denoise denoise = Denoise::automatic;
     double noise = 0;           ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
     bool needs_surface = false; ///< Make the AMLS surface of a noisy cloud even if the samples are not projected.
-    /// Denoise::automatic also denoises above this noise [spacings of the points], >= 0. A crust bears some noise, a
-    /// medial axis grows a twig for every bump.
-    double bearable_noise = 1e300;
     int threads = 0; ///< 0 = all cores.
 };
 
@@ -41,7 +38,7 @@ struct PreparedSamples
     Points distinct;                    ///< Those points in the unit frame.
     double cleanness = 0;               ///< Share of points that look free of noise [0..1].
     bool is_noisy = false;              ///< What the gate found.
-    bool is_doubtful = false;           ///< Only the estimate of the noise says so: that can be thin walls.
+    bool is_doubtful = false;           ///< Only the roughness says so: that can be thin walls.
     bool denoised = false;              ///< Whether `samples` are projected and thinned.
     std::optional<AmlsSurface> surface; ///< Of a cloud that is noisy or denoised.
     Points samples;                     ///< In the unit frame: `distinct`, or cleaned.

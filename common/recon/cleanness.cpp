@@ -70,7 +70,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
     std::vector<char> clean(count, 0);
-    std::vector<double> flat(count, 0), whiteness(count, 0), roughness(count, 0);
+    std::vector<double> flat(count, 0), whiteness(count, 0), roughness(count, 0), noise(count, 0);
     const BlockSearch search(samples);
     const auto examine = [&](std::size_t k)
     {
@@ -90,6 +90,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
             whiteness[k] = wide > 0 ? residual / wide : 0;
             // The points share a disk of radius 0.5.
             roughness[k] = residual / std::sqrt(EIGEN_PI * 0.25 / around);
+            noise[k] = 2 * radius * residual;
         }
         // Triangulations take ten times as long.
         if (k % 2 != 0)
@@ -115,6 +116,8 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     }
     result.whiteness = quantile(whiteness, 0.25);
     result.roughness = quantile(roughness, 0.5);
+    result.least_roughness = quantile(roughness, 0.1);
+    result.noise = quantile(noise, 0.5);
     return result;
 }
 

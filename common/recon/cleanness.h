@@ -20,8 +20,9 @@ struct Cleanness
     /// does not. Measured: 0 to 0.45 on clean clouds however coarse (0.53 on fractal rock), 0.5 to 0.83 on scans and
     /// noisy samples where the projection onto the AMLS surface lowered the error.
     double whiteness = 0;
-    /// The former distance, its median [spacings of the place].
-    double roughness = 0;
+    /// The former distance [spacings of the place]: its median, and what nine of ten samples exceed.
+    double roughness = 0, least_roughness = 0;
+    double noise = 0; ///< Its median [length]: the noise, unless curvature hides it.
 
     bool is_clean() const { return long_cells > 0.7 || flat_neighbours > 0.63; }
     /// Whether a wider fit follows the samples as well as a narrow one, so that averages gain and lose nothing. Noise
