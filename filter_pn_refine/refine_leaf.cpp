@@ -6,6 +6,7 @@
 #include <recon/errors.h>
 #include <recon/parallel.h>
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -140,8 +141,12 @@ private:
 void refine_leaves(const RefineStep& step, int threads, const Progress& progress)
 {
     LeafOrder order(step);
+    const std::size_t n = step.level.leaves.size();
+    // Long stretches, so that threads seldom meet, but enough of them for all to end at the same time and to cancel
+    // soon.
+    const std::size_t grain = std::clamp<std::size_t>(n / (4 * std::size_t(threads)), 16, 1024);
     parallel_for(
-        step.level.leaves.size(), threads, progress, [&](std::size_t leaf) { order.visit(int(leaf)); }, 16);
+        n, threads, progress, [&](std::size_t leaf) { order.visit(int(leaf)); }, grain);
 }
 
 } // namespace recon::pn
