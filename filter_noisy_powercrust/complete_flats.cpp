@@ -20,16 +20,12 @@ namespace
 /// of distance.
 constexpr double share_of_rim_spacing = 0.7, growth = 0.15;
 
-/// A face with its outer side told, and where its rim runs. Stays where it was made: `search` refers to `rim`.
-struct OrientedFace
+/// A face, and where its rim runs. Stays where it was made: `search` refers to `rim`.
+struct RimmedFace
 {
-    OrientedFace(FlatFace found, const Points& samples, const Vectors& normals)
+    RimmedFace(FlatFace found, const Points& samples)
         : face(std::move(found)), rim(points_at(face.rim, samples)), search(rim)
     {
-        double along = 0;
-        for (const int v : face.rim)
-            along += normals.empty() ? 0 : normals[v].dot(face.normal);
-        normal = along < 0 ? Vector(-face.normal) : face.normal;
         for (const Point& p : rim)
         {
             int indices[3];
@@ -38,12 +34,11 @@ struct OrientedFace
             spacing.push_back(std::sqrt(squared[count - 1]));
         }
     }
-    OrientedFace(const OrientedFace&) = delete;
+    RimmedFace(const RimmedFace&) = delete;
 
     FlatFace face;
     Points rim;
     NeighbourSearch search;
-    Vector normal;               ///< Outward if the samples had normals.
     std::vector<double> spacing; ///< Per rim sample: distance to the second nearest of the rim.
 };
 
@@ -57,15 +52,15 @@ struct Candidate
 class FaceFiller
 {
 public:
-    FaceFiller(const Points& samples, const NeighbourSearch& search, const OrientedFace& face)
-        : samples_(samples), search_(search), face_(face)
+    FaceFiller(const Points& present, const Points& rims, const NeighbourSearch& search, const RimmedFace& face)
+        : present_(present), rims_(rims), search_(search), face_(face)
     {
     }
 
     Points fill()
     {
         for (const auto& t : face_.face.triangles)
-            divide(samples_[t[0]], samples_[t[1]], samples_[t[2]], 0);
+            divide(rims_[t[0]], rims_[t[1]], rims_[t[2]], 0);
         return thin();
     }
 
@@ -84,7 +79,8 @@ private:
         if (sides[longest] <= 0.25 * radius * radius || depth > 24)
         {
             if (distance > 0.8 * radius)
-                candidates_.push_back({centre - face_.normal.dot(centre - face_.face.origin) * face_.normal, radius});
+                candidates_.push_back(
+                    {centre - face_.face.normal.dot(centre - face_.face.origin) * face_.face.normal, radius});
             return;
         }
         if (longest == 0)
@@ -112,7 +108,7 @@ private:
         for (const auto& entry : order)
         {
             const Candidate& c = candidates_[entry.second];
-            if ((samples_[search_.nearest(c.position)] - c.position).norm() < 0.5 * c.radius)
+            if ((present_[search_.nearest(c.position)] - c.position).norm() < 0.5 * c.radius)
                 continue;
             positions.push_back(c.position);
             radii.push_back(c.radius);
@@ -120,9 +116,10 @@ private:
         return points_at(keep_apart(positions, radii), positions);
     }
 
-    const Points& samples_;
-    const NeighbourSearch& search_;
-    const OrientedFace& face_;
+    const Points& present_;
+    const Points& rims_;
+    const NeighbourSearch& search_; ///< Of present_.
+    const RimmedFace& face_;
     std::vector<Candidate> candidates_;
 };
 
@@ -134,15 +131,15 @@ constexpr double parallel = 0.97, aside = 0.6;
 class WallFiller
 {
 public:
-    WallFiller(const NeighbourSearch& search, const Points& samples, const std::deque<OrientedFace>& faces)
+    WallFiller(const NeighbourSearch& search, const Points& samples, const std::deque<RimmedFace>& faces)
         : search_(search), samples_(samples), faces_(faces), uses_(samples.size(), 0)
     {
-        for (const OrientedFace& face : faces)
+        for (const RimmedFace& face : faces)
             for (const int v : face.face.rim)
                 ++uses_[v];
     }
 
-    void fill(FlatCompletion& result, bool with_normals)
+    void fill(FlatCompletion& result)
     {
         for (int f = 0; f < int(faces_.size()); ++f)
             for (int v = 0; v < int(faces_[f].rim.size()); ++v)
@@ -153,15 +150,11 @@ public:
                 // Once from the side of the sparser rim, or for each of two that are not above each other.
                 if (top.face < 0 || (is_same(find_top(top), foot) && top.face < f))
                     continue;
-                raise(foot, top, with_normals);
+                raise(foot, top);
             }
         // Walls may meet: the side of a box is one in two directions.
         for (const int k : keep_apart(positions_, radii_))
-        {
             result.points.push_back(positions_[k]);
-            if (with_normals)
-                result.normals.push_back(normals_[k]);
-        }
     }
 
 private:
@@ -179,18 +172,18 @@ private:
     Foot find_top(const Foot& foot) const
     {
         const Point& p = position(foot);
-        const OrientedFace& own = faces_[foot.face];
+        const RimmedFace& own = faces_[foot.face];
         Foot result;
         double least = 1e300;
         for (int f = 0; f < int(faces_.size()); ++f)
         {
-            const OrientedFace& other = faces_[f];
-            if (f == foot.face || std::abs(own.normal.dot(other.normal)) < parallel)
+            const RimmedFace& other = faces_[f];
+            if (f == foot.face || std::abs(own.face.normal.dot(other.face.normal)) < parallel)
                 continue;
-            const double height = (other.rim.front() - p).dot(own.normal);
-            const int nearest = other.search.nearest(p + height * own.normal);
+            const double height = (other.rim.front() - p).dot(own.face.normal);
+            const int nearest = other.search.nearest(p + height * own.face.normal);
             const Vector offset = other.rim[nearest] - p;
-            const double squared = offset.squaredNorm(), up = std::abs(offset.dot(own.normal));
+            const double squared = offset.squaredNorm(), up = std::abs(offset.dot(own.face.normal));
             const double lateral = std::sqrt(std::max(squared - up * up, 0.0));
             if (squared < least && lateral < up && lateral < aside * other.spacing[nearest] && !meets_face(f, nearest))
             {
@@ -201,22 +194,10 @@ private:
         return result;
     }
 
-    /// Off the face where the solid lies below it, over the face where a wall stands on it.
-    Vector wall_normal(const Foot& foot, const Vector& up) const
-    {
-        const OrientedFace& own = faces_[foot.face];
-        return (own.normal.dot(up) < 0 ? 1 : -1) * own.face.away[foot.rim];
-    }
-
-    void raise(const Foot& foot, const Foot& top, bool with_normals)
+    void raise(const Foot& foot, const Foot& top)
     {
         const Point &a = position(foot), &b = position(top);
         const double spacing = std::min(faces_[foot.face].spacing[foot.rim], faces_[top.face].spacing[top.rim]);
-        const Vector up = (b - a).normalized();
-        const Vector normal = wall_normal(foot, up) + wall_normal(top, -up);
-        const Vector level = normal - normal.dot(up) * up;
-        if (with_normals && level.norm() < 0.5)
-            return;
         const int pieces = int(std::ceil((b - a).norm() / spacing));
         for (int k = 1; k < pieces; ++k)
         {
@@ -225,43 +206,45 @@ private:
                 continue;
             positions_.push_back(p);
             radii_.push_back(0.5 * spacing);
-            normals_.push_back(with_normals ? Vector(level.normalized()) : Vector(Vector::Zero()));
         }
     }
 
     const NeighbourSearch& search_;
     const Points& samples_;
-    const std::deque<OrientedFace>& faces_;
+    const std::deque<RimmedFace>& faces_;
     std::vector<int> uses_; ///< Per sample: faces that it bounds.
     Points positions_;      ///< New samples before thinning, and how far they keep from each other.
     std::vector<double> radii_;
-    Vectors normals_;
 };
 
 } // namespace
 
-FlatCompletion complete_flats(const Points& samples, const Vectors& normals, const FlatFaceOptions& options,
-                              const Progress& progress)
+Points fill_face(const FlatFace& face, const Points& rims, const Points& present)
+{
+    const NeighbourSearch search(present);
+    const RimmedFace rimmed(face, rims);
+    return FaceFiller(present, rims, search, rimmed).fill();
+}
+
+FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& options, const Progress& progress)
 {
     FlatCompletion result;
-    std::deque<OrientedFace> faces;
+    std::deque<RimmedFace> faces;
     for (FlatFace& face : find_flat_faces(samples, options, progress))
-        faces.emplace_back(std::move(face), samples, normals);
+        faces.emplace_back(std::move(face), samples);
     result.faces = int(faces.size());
     if (faces.empty())
         return result;
     const NeighbourSearch search(samples);
-    for (const OrientedFace& face : faces)
+    for (const RimmedFace& face : faces)
     {
-        const Points added = FaceFiller(samples, search, face).fill();
+        const Points added = FaceFiller(samples, samples, search, face).fill();
         result.points.insert(result.points.end(), added.begin(), added.end());
-        if (!normals.empty())
-            result.normals.insert(result.normals.end(), added.size(), face.normal);
     }
     Points present = samples;
     present.insert(present.end(), result.points.begin(), result.points.end());
     const NeighbourSearch search_present(present);
-    WallFiller(search_present, present, faces).fill(result, !normals.empty());
+    WallFiller(search_present, present, faces).fill(result);
     return result;
 }
 

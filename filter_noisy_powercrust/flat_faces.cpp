@@ -22,19 +22,11 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-/// In noise most seeds have some plane, so each costs more.
-constexpr int most_seeds = 2000, most_noisy_seeds = 150, around = 16;
+constexpr int most_seeds = 2000, around = 16;
 /// Samples around a seed that must lie in one plane with it, of `around`.
 constexpr int fewest_around = 6;
 /// Share of its rim samples that may see the surface fold in over the ground.
 constexpr double folded_rims = 0.2;
-/// Share of a plane's samples that noise may bring there from other parts.
-constexpr double noisy_strays = 0.1;
-/// Half the thickness of a plane [noise].
-constexpr double noisy_tolerance = 2;
-/// Area per rim sample, in squares of the cloud's spacing, that a face in noise must have: noise closes many a small
-/// ring.
-constexpr double noisy_area = 1.5;
 /// Share of a disc's rim along which it meets one other face.
 constexpr double shared_rim = 0.7;
 /// Circumradius of a planar Delaunay triangle, in rim spacings, above which it is bare ground.
@@ -99,20 +91,17 @@ public:
     std::vector<FlatFace> find(const Progress& progress)
     {
         const int n = int(samples_.size());
-        const int stride = std::max(1, n / (options_.noise > 0 ? most_noisy_seeds : most_seeds));
+        const int stride = std::max(1, n / most_seeds);
         std::vector<int> seeds;
         for (int i = 0; i < n; i += stride)
             seeds.push_back(i);
         std::vector<SeedPlanes> around_seed(seeds.size());
-        std::vector<double> spacings(seeds.size());
         parallel_for(seeds.size(), options_.threads, progress.part(0, 0.7, "flat faces"),
                      [&](std::size_t k)
                      {
                          const Neighbourhood near = look_around(search_, samples_[seeds[k]]);
-                         spacings[k] = std::sqrt(near.squared[std::min(6, near.count - 1)]);
                          around_seed[k] = fit_around(seeds[k], near);
                      });
-        spacing_ = median(std::move(spacings));
         std::vector<Plane> candidates;
         for (const SeedPlanes& planes : around_seed)
             std::copy_if(planes.begin(), planes.end(), std::back_inserter(candidates),
@@ -157,7 +146,7 @@ private:
         most.fill(fewest_around - 1);
         Plane plane;
         plane.origin = p;
-        plane.tolerance = std::max(options_.tolerance * spacing, noisy_tolerance * options_.noise);
+        plane.tolerance = options_.tolerance * spacing;
         for (int a = 1; a < std::min(near.count, 5); ++a)
             for (int b = a + 1; b < near.count; ++b)
             {
@@ -230,18 +219,6 @@ private:
     /// Whether the surface crosses the plane at a sample, instead of ending or bending there.
     bool is_crossing(const Plane& plane, int sample) const
     {
-        if (options_.noise > 0)
-        {
-            std::vector<int> found;
-            search_.within(samples_[sample], 5 * plane.tolerance, found);
-            bool above = false, below = false;
-            for (const int other : found)
-            {
-                above |= plane.height(samples_[other]) > 1.5 * plane.tolerance;
-                below |= plane.height(samples_[other]) < -1.5 * plane.tolerance;
-            }
-            return above && below;
-        }
         const Neighbourhood near = look_around(search_, samples_[sample]);
         Vector nearest[2] = {Vector::Zero(), Vector::Zero()};
         for (int j = near.count - 1; j > 0; --j)
@@ -269,8 +246,7 @@ private:
                 continue;
             Plane here = plane;
             here.origin = samples_[v];
-            on_rims +=
-                options_.noise > 0 || has_bare_ground(here, std::sqrt(look_around(search_, samples_[v]).squared[2]));
+            on_rims += has_bare_ground(here, std::sqrt(look_around(search_, samples_[v]).squared[2]));
         }
         return 2 * on_rims >= count;
     }
@@ -337,7 +313,7 @@ private:
         return face.rim.empty() ? 1 : double(folded) / double(face.rim.size());
     }
 
-    /// Leaves samples at least `distance` apart, so that noise does not fold the curves on which they lie.
+    /// Leaves samples at least `distance` apart: equal ones would be ends of rims.
     void thin(double distance, std::vector<int>& indices) const
     {
         const std::vector<double> radii(indices.size(), distance);
@@ -345,36 +321,6 @@ private:
         for (const int k : keep_apart(points_at(indices, samples_), radii))
             left.push_back(indices[k]);
         indices = std::move(left);
-    }
-
-    void find_away(FlatFace& face) const
-    {
-        std::map<std::pair<int, int>, int> opposite; // -1 inside the face
-        for (const auto& t : face.triangles)
-            for (int i = 0; i < 3; ++i)
-            {
-                const auto added = opposite.insert({std::minmax(t[i], t[(i + 1) % 3]), t[(i + 2) % 3]});
-                if (!added.second)
-                    added.first->second = -1;
-            }
-        std::map<int, Vector> sums;
-        for (const auto& edge : opposite)
-        {
-            if (edge.second < 0)
-                continue;
-            const auto [a, b] = edge.first;
-            const Vector along = (samples_[b] - samples_[a]).normalized();
-            Vector off = samples_[a] - samples_[edge.second];
-            off = (off - off.dot(along) * along).normalized();
-            for (const int v : {a, b})
-                sums.insert({v, Vector::Zero()}).first->second += off;
-        }
-        for (const int v : face.rim)
-        {
-            const auto found = sums.find(v);
-            const double length = found == sums.end() ? 0 : found->second.norm();
-            face.away.push_back(length > 0.1 ? Vector(found->second / length) : Vector::Zero());
-        }
     }
 
     /// A disc may as well be the mouth of a hollow. It is a face where it meets one other face along its rim, as on a
@@ -391,7 +337,7 @@ private:
             if (face.triangles.size() >= face.rim.size())
                 return false;
             const auto shared = std::count_if(face.rim.begin(), face.rim.end(), [&](int v) { return count[v] == 2; });
-            return options_.noise > 0 || double(shared) < shared_rim * double(face.rim.size());
+            return double(shared) < shared_rim * double(face.rim.size());
         };
         faces.erase(std::remove_if(faces.begin(), faces.end(), is_mouth), faces.end());
     }
@@ -403,16 +349,14 @@ private:
         for (const int v : face.rim)
             spacings.push_back(std::sqrt(look_around(search_, samples_[v]).squared[2]));
         const double spacing = median(std::move(spacings));
-        double area = 0, largest = 0;
+        double largest = 0;
         for (const auto& t : face.triangles)
         {
             const Vector u = samples_[t[1]] - samples_[t[0]], v = samples_[t[2]] - samples_[t[0]];
             const double twice = u.cross(v).norm();
-            area += 0.5 * twice;
             largest = std::max(largest, u.norm() * v.norm() * (u - v).norm() / (2 * twice));
         }
-        return largest > bare_above * spacing &&
-               (options_.noise == 0 || area > noisy_area * spacing_ * spacing_ * double(face.rim.size()));
+        return largest > bare_above * spacing;
     }
 
     void append_faces(const Plane& plane, const std::vector<int>& members, std::vector<FlatFace>& faces) const
@@ -428,7 +372,7 @@ private:
         std::vector<Eigen::Vector2d> flat;
         for (const int i : on_plane)
             flat.emplace_back(first.dot(samples_[i] - plane.origin), second.dot(samples_[i] - plane.origin));
-        for (const PlanarFace& planar : fill_planar_rims(flat, options_.noise > 0 ? noisy_strays : 0))
+        for (const PlanarFace& planar : fill_planar_rims(flat, 0))
         {
             FlatFace face;
             face.origin = plane.origin;
@@ -440,7 +384,6 @@ private:
             if (int(face.rim.size()) >= options_.fewest_samples && is_bare(face) &&
                 measure_folds(plane, face) <= folded_rims)
             {
-                find_away(face);
                 faces.push_back(std::move(face));
             }
         }
@@ -450,7 +393,6 @@ private:
     const FlatFaceOptions& options_;
     BlockSearch search_;
     std::vector<Plane> planes_;
-    double spacing_ = 0; ///< Of the cloud: median distance of the seeds to their sixth nearest.
 };
 
 } // namespace

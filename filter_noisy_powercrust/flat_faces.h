@@ -26,8 +26,8 @@ struct FlatFace
     std::vector<std::array<int, 3>>
         triangles;        ///< Indices of samples; counter-clockwise seen from where `normal` points.
     std::vector<int> rim; ///< Its samples that border on what is no face of this plane, ascending.
-    Vectors away; ///< Per rim sample: direction in the plane that leads off the face, of unit length (0 where two rims
-                  ///< meet).
+    Vectors away; ///< By find_noisy_faces(), per rim sample: direction in the plane that leads off the face, of unit
+                  ///< length (0 where two rims meet).
 };
 
 /// Finds planes that hold many samples and bare ground between them, and tells face from void by parity: seen in its

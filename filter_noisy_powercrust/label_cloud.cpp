@@ -1,5 +1,7 @@
 #include "label_cloud.h"
 
+#include "complete_noisy_flats.h"
+
 #include <recon/crust_mesh.h>
 #include <recon/mismatch.h>
 #include <recon/parallel.h>
@@ -78,31 +80,50 @@ private:
                                      progress.part(from, to, "polar balls"));
         };
         LabelledBalls plain = label_samples(0, 0.8);
-        if (cloud.denoised && plain.violated_votes > calm_votes)
-        {
-            times_.begin("flat faces");
-            FlatFaceOptions noisy_faces;
-            noisy_faces.noise = cloud.noise / cloud.frame.scale();
-            noisy_faces.threads = resolve_threads(options_.threads);
-            cloud.completion = complete_flats(cloud.samples, cloud.normals, noisy_faces);
-        }
-        if (cloud.completion.points.empty())
+        Points measured = cloud.samples;
+        Vectors normals = cloud.normals;
+        const int count = complete(cloud, plain.violated_votes);
+        if (count == 0)
             return {std::move(cloud), std::move(plain)};
-        const std::size_t measured = cloud.samples.size();
-        cloud.samples.insert(cloud.samples.end(), cloud.completion.points.begin(), cloud.completion.points.end());
-        cloud.normals.insert(cloud.normals.end(), cloud.completion.normals.begin(), cloud.completion.normals.end());
         LabelledBalls completed = label_samples(0.8, 1);
         // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
         // are.
         if (completed.violated_votes <= certain_votes || completed.violated_votes <= 0.5 * plain.violated_votes)
-        {
-            const int count = int(cloud.samples.size() - measured);
             return {std::move(cloud), std::move(completed), count};
-        }
-        cloud.samples.resize(measured);
-        if (!cloud.normals.empty())
-            cloud.normals.resize(measured);
+        cloud.samples = std::move(measured);
+        cloud.normals = std::move(normals);
         return {std::move(cloud), std::move(plain)};
+    }
+
+    /// Puts samples on bare flat faces, last in the cloud. \returns their number.
+    int complete(PreparedSamples& cloud, double violated)
+    {
+        if (!cloud.denoised)
+        {
+            cloud.samples.insert(cloud.samples.end(), cloud.completion.points.begin(), cloud.completion.points.end());
+            return int(cloud.completion.points.size());
+        }
+        if (violated <= calm_votes)
+            return 0;
+        times_.begin("flat faces");
+        const NoisyFlatCompletion flats =
+            complete_noisy_flats(cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals,
+                                 resolve_threads(options_.threads));
+        if (flats.points.empty())
+            return 0;
+        Points samples;
+        Vectors normals;
+        for (std::size_t i = 0; i < cloud.samples.size(); ++i)
+            if (!flats.is_replaced[i])
+            {
+                samples.push_back(cloud.samples[i]);
+                normals.push_back(cloud.normals[i]);
+            }
+        samples.insert(samples.end(), flats.points.begin(), flats.points.end());
+        normals.insert(normals.end(), flats.normals.begin(), flats.normals.end());
+        cloud.samples = std::move(samples);
+        cloud.normals = std::move(normals);
+        return int(flats.points.size());
     }
 
     const Points& points_;

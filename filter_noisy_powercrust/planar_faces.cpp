@@ -27,6 +27,9 @@ constexpr int fewest_in_loop = 6;
 /// A point both of whose edges are longer than so many medians lies on no rim, where strays are expected.
 constexpr double far_from_rim = 4;
 
+/// Rounds in which single points are left out; then whole chains that do not close are.
+constexpr int rounds_of_strays = 4;
+
 /// Planar Delaunay triangulation: what an apex beyond the plane sees, since a sphere through the apex and a triangle
 /// meets the plane in the triangle's circumcircle.
 class PlanarTriangulation
@@ -141,6 +144,23 @@ Rims join_rims(const PlanarTriangulation& planar, int points)
     return result;
 }
 
+/// Points of chains that do not close.
+std::vector<int> list_open_chains(const Rims& rims)
+{
+    DisjointSets chains(rims.mates.size());
+    for (const auto& e : rims.edges)
+        chains.join(e.first, e.second);
+    std::set<std::size_t> open;
+    for (std::size_t v = 0; v < rims.mates.size(); ++v)
+        if (rims.mates[v].size() < 2)
+            open.insert(chains.find(v));
+    std::vector<int> result;
+    for (std::size_t v = 0; v < rims.mates.size(); ++v)
+        if (open.count(chains.find(v)) > 0)
+            result.push_back(int(v));
+    return result;
+}
+
 std::vector<int> list_strays(const PlanarTriangulation& planar, const Rims& rims, bool expected)
 {
     std::vector<double> lengths;
@@ -216,14 +236,15 @@ std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& poi
     for (std::size_t i = 0; i < points.size(); ++i)
         kept[i] = int(i);
     const double fewest = (1 - strays) * double(points.size());
-    while (kept.size() >= 3 && double(kept.size()) >= fewest)
+    for (int round = 0; kept.size() >= 3 && double(kept.size()) >= fewest; ++round)
     {
         std::vector<Eigen::Vector2d> present;
         for (const int i : kept)
             present.push_back(points[i]);
         const PlanarTriangulation planar(present);
         const Rims rims = join_rims(planar, int(present.size()));
-        const std::vector<int> left_out = list_strays(planar, rims, strays > 0);
+        const std::vector<int> left_out =
+            round < rounds_of_strays ? list_strays(planar, rims, strays > 0) : list_open_chains(rims);
         if (left_out.empty())
         {
             std::vector<PlanarFace> faces = fill_by_parity(planar, rims);

@@ -45,7 +45,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         times.begin("flat faces");
         FlatFaceOptions exactly_flat;
         exactly_flat.threads = resolve_threads(options.threads);
-        result.completion = complete_flats(result.distinct, {}, exactly_flat);
+        result.completion = complete_flats(result.distinct, exactly_flat);
     }
     const bool is_exact = !result.completion.points.empty();
     times.begin("gate");

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// What takes the place of samples on the rims of bare flat faces of a noisy cloud.
+struct NoisyFlatCompletion
+{
+    Points points;                 ///< On rims, faces, and the walls that rise straight from rims.
+    Vectors normals;               ///< Outward, of unit length, one each.
+    std::vector<char> is_replaced; ///< Per denoised sample: the new ones take its place.
+};
+
+/// Finds flat faces that carry noisy points on their rims only, and puts samples on rims, faces and the bare walls
+/// between a rim and points straight above or below all along it: walls of bores and edges of plates. \param points
+/// distinct, in spatial order, of unit scale. \param noise standard deviation > 0. \param samples denoised points,
+/// which tell the outside by their \p normals. \throws Cancelled.
+NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const Points& samples,
+                                         const Vectors& normals, int threads, const Progress& progress = {});
+
+} // namespace recon

@@ -1,0 +1,402 @@
+#include "noisy_faces.h"
+
+#include "keep_apart.h"
+#include "noisy_planes.h"
+#include "planar_faces.h"
+
+#include <recon/block_search.h>
+#include <recon/neighbours.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+using Flat = Eigen::Vector2d;
+
+/// Rounds in which rims are drawn together, and the reach of each fit [noise].
+constexpr int rounds = 4;
+constexpr double reach = 6;
+/// Distances of denoised rim samples that are tried [noise].
+constexpr double rim_steps[] = {2, 1.5, 2.5};
+/// Share of points on no rim: the rims that explain most come first.
+constexpr double strays[] = {0.05, 0.1, 0.2};
+/// Points that say where a curve runs.
+constexpr int fewest_in_fit = 16;
+/// What is left of a rim has this share of the median number of points at least; less is far off by chance.
+constexpr double fewest_share = 0.3;
+/// Least mean width of a face [distances of its rim samples].
+constexpr double least_width = 2;
+/// Within this distance the surface is seen to cross a plane [noise].
+constexpr double crossing_reach = 8;
+/// Share of the heights' variance that a slope explains where the surface leans instead of ending.
+constexpr double leaning = 0.4;
+constexpr int fewest_samples = 12;
+
+/// Fills `away` of a face whose triangles and rim are known.
+void find_away(FlatFace& face, const Points& samples)
+{
+    std::map<std::pair<int, int>, int> opposite; // -1 inside the face
+    for (const auto& t : face.triangles)
+        for (int i = 0; i < 3; ++i)
+        {
+            const auto added = opposite.insert({std::minmax(t[i], t[(i + 1) % 3]), t[(i + 2) % 3]});
+            if (!added.second)
+                added.first->second = -1;
+        }
+    std::map<int, Vector> sums;
+    for (const auto& edge : opposite)
+    {
+        if (edge.second < 0)
+            continue;
+        const auto [a, b] = edge.first;
+        const Vector along = (samples[b] - samples[a]).normalized();
+        Vector off = samples[a] - samples[edge.second];
+        off = (off - off.dot(along) * along).normalized();
+        for (const int v : {a, b})
+            sums.insert({v, Vector::Zero()}).first->second += off;
+    }
+    for (const int v : face.rim)
+    {
+        const auto found = sums.find(v);
+        const double length = found == sums.end() ? 0 : found->second.norm();
+        face.away.push_back(length > 0.1 ? Vector(found->second / length) : Vector::Zero());
+    }
+}
+
+class NoisyFaceFinder
+{
+public:
+    NoisyFaceFinder(const Points& points, double noise) : points_(points), noise_(noise), search_(points) {}
+
+    NoisyFaces find(int threads, const Progress& progress)
+    {
+        const std::vector<NoisyPlane> planes = find_noisy_planes(points_, noise_, threads);
+        for (std::size_t k = 0; k < planes.size(); ++k)
+        {
+            progress.report(double(k) / double(planes.size()));
+            append_faces(planes[k]);
+        }
+        return std::move(result_);
+    }
+
+private:
+    /// Whether the surface goes on above the plane and below it.
+    bool is_crossing(const NoisyPlane& plane, const Point& p, std::vector<int>& near) const
+    {
+        search_.within(p, crossing_reach * noise_, near);
+        bool above = false, below = false;
+        for (const int other : near)
+        {
+            above |= plane.height(points_[other]) > beside_slab * noise_;
+            below |= plane.height(points_[other]) < -beside_slab * noise_;
+        }
+        return above && below;
+    }
+
+    /// Points of a plane that may lie on rims.
+    struct Members
+    {
+        NoisyPlane plane;
+        Vector first, second;
+        Points flat; ///< Their places in the plane.
+        std::vector<double> heights;
+    };
+
+    Members list_members(const NoisyPlane& plane) const
+    {
+        Members result;
+        result.plane = plane;
+        result.first = plane.normal.unitOrthogonal();
+        result.second = plane.normal.cross(result.first);
+        std::vector<int> near;
+        for (const Point& p : points_)
+            if (std::abs(plane.height(p)) <= slab_half * noise_ && !is_crossing(plane, p, near))
+            {
+                result.flat.emplace_back(result.first.dot(p - plane.origin), result.second.dot(p - plane.origin), 0);
+                result.heights.push_back(plane.height(p));
+            }
+        return result;
+    }
+
+    /// Members around a place, and what their weighted moments say.
+    struct Moments
+    {
+        Point mean = Point::Zero();
+        Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+        Flat slope = Flat::Zero(); ///< Of heights with places.
+        double variance = 0;       ///< Of heights.
+    };
+
+    Moments sum_up(const Members& members, const NeighbourSearch& search, const Point& p, double radius,
+                   std::vector<int>& near) const
+    {
+        Moments result;
+        search.within(p, radius, near);
+        double sum = 0, height = 0;
+        std::vector<double> weights;
+        for (const int i : near)
+        {
+            weights.push_back(std::exp(-8 * (members.flat[i] - p).squaredNorm() / (radius * radius)));
+            sum += weights.back();
+            result.mean += weights.back() * members.flat[i];
+            height += weights.back() * members.heights[i];
+        }
+        if (near.empty())
+            return result;
+        result.mean /= sum;
+        height /= sum;
+        for (std::size_t k = 0; k < near.size(); ++k)
+        {
+            const Flat off = (members.flat[near[k]] - result.mean).head<2>();
+            const double up = members.heights[near[k]] - height;
+            result.spread += weights[k] * off * off.transpose();
+            result.slope += weights[k] * up * off;
+            result.variance += weights[k] * up * up;
+        }
+        return result;
+    }
+
+    double choose_reach(const NeighbourSearch& search, const Point& p) const
+    {
+        int indices[fewest_in_fit];
+        double squared[fewest_in_fit];
+        const int found = search.nearest(p, fewest_in_fit, indices, squared);
+        return std::max(reach * noise_, std::sqrt(squared[found - 1]));
+    }
+
+    /// Leaves out those around which heights lean with the place: there the surface crosses the plane.
+    Members drop_leaning(const Members& members) const
+    {
+        const NeighbourSearch search(members.flat);
+        Members result = members;
+        result.flat.clear();
+        result.heights.clear();
+        std::vector<int> near;
+        for (std::size_t k = 0; k < members.flat.size(); ++k)
+        {
+            const Point& p = members.flat[k];
+            const Moments moments = sum_up(members, search, p, choose_reach(search, p), near);
+            if (moments.slope.dot(moments.spread.ldlt().solve(moments.slope)) > leaning * moments.variance)
+                continue;
+            result.flat.push_back(p);
+            result.heights.push_back(members.heights[k]);
+        }
+        return result;
+    }
+
+    /// Least squares through the members.
+    NoisyPlane fit(const Members& members) const
+    {
+        const double count = double(members.flat.size());
+        Eigen::Vector3d right = Eigen::Vector3d::Zero();
+        Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
+        for (std::size_t k = 0; k < members.flat.size(); ++k)
+        {
+            const Eigen::Vector3d row(members.flat[k].x(), members.flat[k].y(), 1);
+            left += row * row.transpose() / count;
+            right += row * members.heights[k] / count;
+        }
+        const Eigen::Vector3d tilt = left.ldlt().solve(right);
+        NoisyPlane result = members.plane;
+        result.origin += tilt.z() * result.normal;
+        result.normal = (result.normal - tilt.x() * members.first - tilt.y() * members.second).normalized();
+        return result;
+    }
+
+    /// Draws points that lie along curves onto these: each moves across the main direction of those around it.
+    Points draw_rims(const Members& members) const
+    {
+        const NeighbourSearch search(members.flat);
+        Points drawn = members.flat;
+        std::vector<int> near;
+        for (Point& p : drawn)
+        {
+            const double radius = choose_reach(search, p);
+            for (int round = 0; round < rounds; ++round)
+            {
+                const Moments moments = sum_up(members, search, p, radius, near);
+                if (near.empty())
+                    break;
+                const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(moments.spread);
+                const Flat along = solver.eigenvectors().col(1), off = (moments.mean - p).head<2>();
+                p.head<2>() += off - along.dot(off) * along;
+            }
+        }
+        return drawn;
+    }
+
+    /// One point for all within reach of each that stays, their mean.
+    Points merge(const Points& drawn, double step) const
+    {
+        const std::vector<int> kept = keep_apart(drawn, std::vector<double>(drawn.size(), step * noise_));
+        const Points centres = points_at(kept, drawn);
+        const NeighbourSearch search(centres);
+        Points sums(kept.size(), Point::Zero());
+        std::vector<double> counts(kept.size(), 0);
+        for (const Point& p : drawn)
+        {
+            const int k = search.nearest(p);
+            sums[k] += p;
+            ++counts[k];
+        }
+        std::vector<double> sorted = counts;
+        const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
+        std::nth_element(sorted.begin(), middle, sorted.end());
+        Points result;
+        for (std::size_t k = 0; k < sums.size(); ++k)
+            if (counts[k] >= fewest_share * *middle)
+                result.push_back(sums[k] / counts[k]);
+        return result;
+    }
+
+    std::vector<PlanarFace> fill(const Points& drawn, std::vector<Flat>& rims) const
+    {
+        for (const double left_out : strays)
+            for (const double step : rim_steps)
+            {
+                rims.clear();
+                for (const Point& p : merge(drawn, step))
+                    rims.push_back(p.head<2>());
+                std::vector<PlanarFace> faces = fill_planar_rims(rims, left_out);
+                faces.erase(std::remove_if(faces.begin(), faces.end(),
+                                           [&](const PlanarFace& face) { return !is_bare(face, rims); }),
+                            faces.end());
+                drop_discs_within(faces, rims);
+                if (!faces.empty())
+                    return faces;
+            }
+        return {};
+    }
+
+    void append_faces(const NoisyPlane& found)
+    {
+        Members members = drop_leaning(list_members(found));
+        if (int(members.flat.size()) < fewest_samples)
+            return;
+        const NoisyPlane plane = fit(members);
+        members = drop_leaning(list_members(plane));
+        if (int(members.flat.size()) < fewest_samples)
+            return;
+        std::vector<Flat> rims;
+        for (const PlanarFace& planar : fill(draw_rims(members), rims))
+        {
+            FlatFace face;
+            face.origin = plane.origin;
+            face.normal = plane.normal;
+            std::map<int, int> of_rim;
+            for (const int v : planar.rim)
+            {
+                of_rim[v] = int(result_.rims.size());
+                face.rim.push_back(int(result_.rims.size()));
+                result_.rims.push_back(plane.origin + rims[v].x() * members.first + rims[v].y() * members.second);
+            }
+            for (const auto& t : planar.triangles)
+                face.triangles.push_back({of_rim[t[0]], of_rim[t[1]], of_rim[t[2]]});
+            if (!settle(face))
+                continue;
+            find_away(face, result_.rims);
+            result_.faces.push_back(std::move(face));
+        }
+    }
+
+    /// Fits a face's plane to the points around its rims alone. \returns whether they lie in it but for noise; in any
+    /// slab through a body they fill it evenly.
+    bool settle(FlatFace& face)
+    {
+        std::vector<int> around, near;
+        for (const int v : face.rim)
+        {
+            search_.within(result_.rims[v], reach * noise_, near);
+            around.insert(around.end(), near.begin(), near.end());
+        }
+        std::sort(around.begin(), around.end());
+        around.erase(std::unique(around.begin(), around.end()), around.end());
+        NoisyPlane plane = {face.origin, face.normal};
+        for (int round = 0; round < 2; ++round)
+            if (!refit_plane(plane, points_, around, noise_))
+                return false;
+        if (plane.normal.dot(face.normal) < 0)
+            plane.normal = -plane.normal;
+        double squared = 0, count = 0;
+        for (const int i : around)
+        {
+            const double height = plane.height(points_[i]) / noise_;
+            if (std::abs(height) > slab_half)
+                continue;
+            squared += height * height;
+            ++count;
+        }
+        face.origin = plane.origin;
+        face.normal = plane.normal;
+        for (const int v : face.rim)
+            result_.rims[v] -= plane.height(result_.rims[v]) * plane.normal;
+        return squared <= widest_spread * widest_spread * count;
+    }
+
+    /// A disc in a hole of another face is more often what crosses the plane there.
+    static void drop_discs_within(std::vector<PlanarFace>& faces, const std::vector<Flat>& rims)
+    {
+        const auto box_of = [&](const PlanarFace& face)
+        {
+            Eigen::AlignedBox2d box;
+            for (const int v : face.rim)
+                box.extend(rims[v]);
+            return box;
+        };
+        const std::vector<PlanarFace> all = faces;
+        const auto is_within = [&](const PlanarFace& face)
+        {
+            return face.triangles.size() < face.rim.size() &&
+                   std::any_of(all.begin(), all.end(),
+                               [&](const PlanarFace& other) {
+                                   return other.triangles.size() >= other.rim.size() &&
+                                          box_of(other).contains(box_of(face));
+                               });
+        };
+        faces.erase(std::remove_if(faces.begin(), faces.end(), is_within), faces.end());
+    }
+
+    /// Whether some of it lies far from its rims.
+    bool is_bare(const PlanarFace& face, const std::vector<Flat>& rims) const
+    {
+        if (int(face.rim.size()) < fewest_samples)
+            return false;
+        double area = 0, length = 0;
+        for (const auto& t : face.triangles)
+        {
+            const Flat u = rims[t[1]] - rims[t[0]], v = rims[t[2]] - rims[t[0]];
+            area += 0.5 * std::abs(u.x() * v.y() - u.y() * v.x());
+        }
+        std::map<std::pair<int, int>, int> uses;
+        for (const auto& t : face.triangles)
+            for (int i = 0; i < 3; ++i)
+                ++uses[std::minmax(t[i], t[(i + 1) % 3])];
+        for (const auto& edge : uses)
+            if (edge.second == 1)
+                length += (rims[edge.first.first] - rims[edge.first.second]).norm();
+        // Mean width against the distance of rim samples and what noise leaves of a rim.
+        return area > 0.5 * length * std::max(least_width * length / double(face.rim.size()), 4 * noise_);
+    }
+
+    const Points& points_;
+    double noise_;
+    BlockSearch search_;
+    NoisyFaces result_;
+};
+
+} // namespace
+
+NoisyFaces find_noisy_faces(const Points& points, double noise, int threads, const Progress& progress)
+{
+    return NoisyFaceFinder(points, noise).find(threads, progress);
+}
+
+} // namespace recon

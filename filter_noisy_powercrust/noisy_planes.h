@@ -1,0 +1,35 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Plane that a part of a noisy cloud lies in.
+struct NoisyPlane
+{
+    Point origin;
+    Vector normal; ///< Of unit length.
+
+    double height(const Point& p) const { return normal.dot(p - origin); }
+};
+
+/// Half the thickness of what noise makes of a plane, and how far off what it leaves bare begins [noise].
+constexpr double slab_half = 2.5, beside_slab = 3.5;
+
+/// Standard deviation of the heights in the slab up to which they are noise: 0.95 of a plane's, 1.44 of any slab's
+/// through a body [noise].
+constexpr double widest_spread = 1.05;
+
+/// Least squares through what lies in the slab of a plane. \param around indices of points. \returns false if these do
+/// not span a plane.
+bool refit_plane(NoisyPlane& plane, const Points& points, const std::vector<int>& around, double noise);
+
+/// Finds planes with bare ground between their points: those that hold many of the points around a seed while few lie
+/// just above or below, grown as far as that lasts. \param points distinct, in spatial order. \param noise standard
+/// deviation > 0. \returns the best supported first. The same for any number of threads.
+std::vector<NoisyPlane> find_noisy_planes(const Points& points, double noise, int threads);
+
+} // namespace recon

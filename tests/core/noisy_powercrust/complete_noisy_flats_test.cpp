@@ -1,0 +1,133 @@
+#include "filter_noisy_powercrust/complete_noisy_flats.h"
+#include "filter_noisy_powercrust/prepare_samples.h"
+#include "filter_noisy_powercrust/reconstruct.h"
+
+#include "flat_shapes.h"
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace recon;
+using namespace flat_shapes;
+
+namespace
+{
+
+constexpr double noise = 0.0015;
+
+struct Completed
+{
+    PreparedSamples cloud;
+    NoisyFlatCompletion flats; ///< In input units.
+};
+
+Completed complete(const Points& points, int threads = 1)
+{
+    SamplePreparationOptions options;
+    options.threads = threads;
+    PhaseTimes times;
+    Completed result{prepare_samples(points, options, times), {}};
+    const PreparedSamples& cloud = result.cloud;
+    result.flats =
+        complete_noisy_flats(cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals, threads);
+    cloud.frame.from_unit_in_place(result.flats.points);
+    return result;
+}
+
+} // namespace
+
+TEST(CompleteNoisyFlats, SamplesLieOnFacesAndWallsAndFaceOutward)
+{
+    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(flange(), noise, 4, 1)).flats;
+    ASSERT_GT(flats.points.size(), 500u);
+    ASSERT_EQ(flats.normals.size(), flats.points.size());
+    int on_faces = 0, right_on_faces = 0, on_walls = 0, right_on_walls = 0, off = 0;
+    for (std::size_t i = 0; i < flats.points.size(); ++i)
+    {
+        const Point& p = flats.points[i];
+        const Vector& normal = flats.normals[i];
+        EXPECT_NEAR(normal.norm(), 1, 1e-9);
+        const double r = std::hypot(p.x(), p.y());
+        double to_wall = std::min(std::abs(r - outer), std::abs(r - hub));
+        Vector away = std::abs(r - outer) < std::abs(r - hub) ? Vector(p.x(), p.y(), 0) : Vector(-p.x(), -p.y(), 0);
+        for (int k = 0; k < bores; ++k)
+        {
+            const Vector to_axis(0.33 * std::cos(pi / 2 * k) - p.x(), 0.33 * std::sin(pi / 2 * k) - p.y(), 0);
+            if (std::abs(to_axis.norm() - bore) < to_wall)
+            {
+                to_wall = std::abs(to_axis.norm() - bore);
+                away = to_axis;
+            }
+        }
+        const double to_face = std::min(std::abs(p.z()), std::abs(p.z() - thickness));
+        off += std::min(to_wall, to_face) > 2 * noise;
+        if (to_face < noise && to_wall > 4 * noise)
+        {
+            ++on_faces;
+            right_on_faces += normal.z() * (p.z() - 0.5 * thickness) > 0.99 * to_face && std::abs(normal.z()) > 0.99;
+        }
+        if (to_face > 4 * noise)
+        {
+            ++on_walls;
+            right_on_walls += normal.dot(away.normalized()) > 0.8;
+        }
+    }
+    EXPECT_EQ(off, 0);
+    EXPECT_GT(on_faces, 200);
+    EXPECT_EQ(right_on_faces, on_faces);
+    EXPECT_GT(on_walls, 200);
+    EXPECT_GT(right_on_walls, 0.98 * on_walls);
+}
+
+TEST(CompleteNoisyFlats, SamplesNearTheNewOnesGiveWay)
+{
+    const Completed found = complete(shapes::with_noisy_copies(flange(), noise, 4, 2));
+    // All of this cloud lies on rims.
+    const auto& replaced = found.flats.is_replaced;
+    ASSERT_EQ(replaced.size(), found.cloud.samples.size());
+    EXPECT_GT(std::count(replaced.begin(), replaced.end(), 1), 0.8 * double(replaced.size()));
+}
+
+TEST(CompleteNoisyFlats, CrustOfANoisyFlangeHasItsBores)
+{
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noisy_copies(flange(), noise, 4, 3));
+    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 1 + bores);
+    const double area = pi * (outer * outer - hub * hub - bores * bore * bore);
+    EXPECT_NEAR(report.volume / (area * thickness), 1, 0.03);
+    EXPECT_GT(crust.completed, 0);
+}
+
+TEST(CompleteNoisyFlats, CrustOfANoisyBracketSampledAlongItsEdges)
+{
+    const Points points = prism({{0, 0}, {1, 0}, {1, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {0, 0.8}}, 0.5, 0.03);
+    const checks::MeshReport report =
+        checks::examine_mesh(reconstruct_noisy_power_crust(shapes::with_noisy_copies(points, noise, 4, 4)).mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 0);
+    EXPECT_NEAR(report.volume / 0.16, 1, 0.03);
+}
+
+TEST(CompleteNoisyFlats, LeavesWellSampledCloudsAlone)
+{
+    const Points box = shapes::box(6000, Vector(0.6, 0.5, 0.4), 3).points;
+    const Points torus = shapes::torus(3000, 0.35, 0.12, 2).points;
+    EXPECT_TRUE(complete(shapes::with_noisy_copies(box, 0.003, 4, 5)).flats.points.empty());
+    EXPECT_TRUE(complete(shapes::with_noisy_copies(torus, 0.003, 4, 6)).flats.points.empty());
+}
+
+TEST(CompleteNoisyFlats, SameForAnyNumberOfThreads)
+{
+    const Points points = shapes::with_noisy_copies(flange(), noise, 4, 7);
+    const NoisyFlatCompletion a = complete(points, 1).flats, b = complete(points, 2).flats;
+    ASSERT_EQ(a.points.size(), b.points.size());
+    for (std::size_t i = 0; i < a.points.size(); ++i)
+        EXPECT_EQ(a.points[i], b.points[i]);
+}

@@ -1,0 +1,71 @@
+#pragma once
+
+// Shapes with flat faces, sampled along their edges only.
+#include <recon/geometry.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace flat_shapes
+{
+
+inline constexpr double pi = 3.14159265358979323846;
+
+inline void append_ring(recon::Points& points, double x, double y, double z, double radius, int count)
+{
+    for (int k = 0; k < count; ++k)
+    {
+        const double angle = 2 * pi * k / count;
+        points.emplace_back(x + radius * std::cos(angle), y + radius * std::sin(angle), z);
+    }
+}
+
+inline constexpr double outer = 0.45, hub = 0.2, bore = 0.03, thickness = 0.06;
+inline constexpr int bores = 4;
+
+/// A washer with bores, sampled on its rims only, as a CAD program writes it.
+inline recon::Points flange()
+{
+    recon::Points points;
+    for (const double z : {0.0, thickness})
+    {
+        append_ring(points, 0, 0, z, outer, 150);
+        append_ring(points, 0, 0, z, hub, 70);
+        for (int k = 0; k < bores; ++k)
+            append_ring(points, 0.33 * std::cos(pi / 2 * k), 0.33 * std::sin(pi / 2 * k), z, bore, 18);
+    }
+    return points;
+}
+
+/// A prism sampled along its edges only.
+inline recon::Points prism(const std::vector<Eigen::Vector2d>& polygon, double height, double spacing)
+{
+    recon::Points points;
+    const auto append_edge = [&](const recon::Point& from, const recon::Point& to)
+    {
+        const int count = std::max(1, int(std::lround((to - from).norm() / spacing)));
+        for (int k = 0; k < count; ++k)
+            points.push_back(from + (to - from) * (double(k) / count));
+    };
+    for (std::size_t i = 0; i < polygon.size(); ++i)
+    {
+        const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+        append_edge(recon::Point(a.x(), a.y(), 0), recon::Point(b.x(), b.y(), 0));
+        append_edge(recon::Point(b.x(), b.y(), height), recon::Point(a.x(), a.y(), height));
+        append_edge(recon::Point(a.x(), a.y(), 0), recon::Point(a.x(), a.y(), height));
+    }
+    return points;
+}
+
+inline bool is_ground(const recon::Point& p)
+{
+    const double r = std::hypot(p.x(), p.y());
+    bool result = r < outer && r > hub;
+    for (int k = 0; k < bores; ++k)
+        result = result &&
+                 std::hypot(p.x() - 0.33 * std::cos(pi / 2 * k), p.y() - 0.33 * std::sin(pi / 2 * k)) > 0.98 * bore;
+    return result;
+}
+
+} // namespace flat_shapes
