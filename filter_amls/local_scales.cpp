@@ -29,6 +29,7 @@ constexpr int pooled_seeds = 25;
 constexpr double global_share = 0.3; // weight of the mean over all seeds beside the pooled ones
 constexpr int smoothing_seeds = 15;
 constexpr double seed_reach = 0.3; // of the distance of close seeds
+constexpr double widest = 0.15;    // diagonals: more takes in the whole shape, as it would in clouds of few points
 constexpr double affordable = 600; // points per seed; beyond it fewer seeds are asked
 constexpr double beyond = 1e10;    // coordinate of entries that pad the arrays
 /// The noise estimate means the length; here an estimate that is high by 10 % hides as much bias, so it is taken lower.
@@ -302,7 +303,7 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
                      double total = 0;
                      for (int k = 0; k < count; ++k)
                          total += log_width[near[k]];
-                     result.at_seed[i].width = std::exp(total / count);
+                     result.at_seed[i].width = std::min(std::exp(total / count), widest);
                      distance[i] = std::sqrt(squared[std::min(1, count - 1)]);
                  });
     const auto close = distance.begin() + std::ptrdiff_t(distance.size() / 10);

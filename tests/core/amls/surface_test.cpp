@@ -433,6 +433,13 @@ TEST(AmlsProjection, SharpErrsLessAtCreases)
     EXPECT_LT(error({}), error(smooth));
 }
 
+TEST(AmlsSurface, FewPointsKeepTheirShape)
+{
+    const auto distance = [](const Point& p) { return shapes::distance_to_sphere(p, 1); };
+    for (int n : {10, 20, 50})
+        EXPECT_LT(rms(project_all(shapes::sphere(n, 1, 47).points).points, distance), 0.1) << n;
+}
+
 TEST(AmlsSurface, SurvivesStrangeClouds)
 {
     const auto check = [](const Points& points, const char* what)
