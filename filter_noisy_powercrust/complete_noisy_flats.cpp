@@ -296,6 +296,13 @@ private:
                 most = same;
             }
         }
+        // Above a known opposite face it is enough that most points of a rim have some there.
+        for (std::size_t k = 0; k < loops.size() && depth > 0; ++k)
+            if (walls[k].height == 0 && ends_at(loops[k], rims, -depth * face.normal))
+            {
+                walls[k].height = depth;
+                walls[k].side = -1;
+            }
         for (const int v : face.rim)
             rim_normals_[v] += face.normal;
         std::vector<char> is_base(rims.size(), 0);
@@ -311,6 +318,18 @@ private:
         if (depth > 0)
             append_base(face, depth, rims, is_base);
         return true;
+    }
+
+    /// Whether most samples of a rim have points beside the place that lies off them by `offset`.
+    bool ends_at(const Loop& loop, const Points& rims, const Vector& offset)
+    {
+        const auto count = std::count_if(loop.rim.begin(), loop.rim.end(),
+                                         [&](int v)
+                                         {
+                                             search_.within(rims[v] + offset, level_top * noise_, near_);
+                                             return !near_.empty();
+                                         });
+        return double(count) >= share_of_tops * double(loop.rim.size());
     }
 
     bool is_level(const Wall& wall, double height) const { return std::abs(wall.height - height) < level_top * noise_; }
