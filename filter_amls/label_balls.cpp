@@ -13,8 +13,8 @@ namespace
 
 constexpr int most_rounds = 20;
 
-/// Positions of the ties, heaviest first, where opposite ones count `opposite_factor` times; equal weights in the order of
-/// the list, always.
+/// Positions of the ties, heaviest first, where opposite ones count `opposite_factor` times; equal weights in the order
+/// of the list, always.
 std::vector<int> sort_by_weight(const std::vector<Tie>& ties, float opposite_factor)
 {
     // Bit patterns of positive floats sort as the floats do.

@@ -23,8 +23,8 @@ struct BallLabels
 
 /// Labels balls 0..balls - 1 by ties; `balls` itself stands for the outside. The maximum spanning forest decides first;
 /// its greatest fault is that one wrong tie turns all over that hangs on it, however much the other ties object. So
-/// then whole subtrees change sides where that lowers the weight violated. That ends where no subtree gains, so it begins
-/// from two forests, one of which holds opposite ties for more certain, and the better end stays.
+/// then whole subtrees change sides where that lowers the weight violated. That ends where no subtree gains, so it
+/// begins from two forests, one of which holds opposite ties for more certain, and the better end stays.
 BallLabels label_balls(int balls, const std::vector<Tie>& ties, int threads);
 
 } // namespace recon

@@ -25,8 +25,8 @@ constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
 constexpr double slack = 0.35;         // widths: how far a point may move before its anchors are gathered again
 constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
-constexpr double turning =
-    3; // times 1 - cosine of the turn: how much stricter that is with anchors that face elsewhere
+/// Times 1 - cosine of the turn: how much stricter agreement is with anchors that face elsewhere.
+constexpr double turning = 3;
 constexpr double least_step = 1e-5; // widths: floats resolve 1e-7
 constexpr double uneven = 1.25;     // root of the ratio of neighbouring widths
 constexpr double run_radius = 0.65; // widths

@@ -19,7 +19,8 @@ int smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, con
     std::vector<double> share(n, 1);
     for (std::size_t v = 0; v < n; ++v)
     {
-        // Farther than noise and spacing explain, the surface is extrapolated over a bare flat, or the other side of a wall.
+        // Farther than noise and spacing explain, the surface is extrapolated over a bare flat, or the other side of a
+        // wall.
         const double moved = (projected.points[v] - mesh.vertices[v]).norm();
         const double explained = std::max(projected.spacings[v], 3 * surface.report().noise);
         if (projected.status[v] != ProjectionStatus::converged || !(moved < explained))

@@ -57,10 +57,10 @@ struct QuadricFit
 
 struct QuadricWeights
 {
-    double width;                  ///< h of exp(-d^2 / h^2) [length].
-    double cut;                    ///< Points farther than this many widths do not count.
-    double ridge_linear = 1e-4;    ///< Pull of the slopes to 0 [share of the mass].
-    double ridge_quadratic = 2e-3; ///< Pull of the curvatures to 0 [share of the mass].
+    double width;                             ///< h of exp(-d^2 / h^2) [length].
+    double cut;                               ///< Points farther than this many widths do not count.
+    double ridge_linear = 1e-4;               ///< Pull of the slopes to 0 [share of the mass].
+    double ridge_quadratic = 2e-3;            ///< Pull of the curvatures to 0 [share of the mass].
     const QuadricFit* robust_about = nullptr; ///< Residuals from this fit lower the weights as (1 + (r/s)^2)^-2.
     double robust_scale = 1;                  ///< s [length].
 };
