@@ -80,50 +80,59 @@ private:
                                      progress.part(from, to, "polar balls"));
         };
         LabelledBalls plain = label_samples(0, 0.8);
-        Points measured = cloud.samples;
-        Vectors normals = cloud.normals;
-        const int count = complete(cloud, plain.violated_votes);
-        if (count == 0)
+        std::optional<Completion> completion = complete(cloud, plain.violated_votes);
+        if (!completion)
             return {std::move(cloud), std::move(plain)};
         LabelledBalls completed = label_samples(0.8, 1);
         // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
         // are.
         if (completed.violated_votes <= certain_votes || completed.violated_votes <= 0.5 * plain.violated_votes)
-            return {std::move(cloud), std::move(completed), count};
-        cloud.samples = std::move(measured);
-        cloud.normals = std::move(normals);
+            return {std::move(cloud), std::move(completed), completion->added};
+        cloud.samples = std::move(completion->samples_before);
+        cloud.normals = std::move(completion->normals_before);
         return {std::move(cloud), std::move(plain)};
     }
 
-    /// Puts samples on bare flat faces, last in the cloud. \returns their number.
-    int complete(PreparedSamples& cloud, double violated)
+    struct Completion
     {
-        if (!cloud.denoised)
-        {
-            cloud.samples.insert(cloud.samples.end(), cloud.completion.points.begin(), cloud.completion.points.end());
-            return int(cloud.completion.points.size());
-        }
-        if (violated <= calm_votes)
-            return 0;
-        times_.begin("flat faces");
-        const NoisyFlatCompletion flats =
-            complete_noisy_flats(cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals,
-                                 resolve_threads(options_.threads));
-        if (flats.points.empty())
-            return 0;
-        Points samples;
+        Points samples_before;
+        Vectors normals_before;
+        int added = 0; ///< The last of the cloud's samples [count].
+    };
+
+    /// Puts samples on bare flat faces; in noise they take the place of those around their rims.
+    std::optional<Completion> complete(PreparedSamples& cloud, double violated)
+    {
+        Points added = cloud.completion.points;
         Vectors normals;
-        for (std::size_t i = 0; i < cloud.samples.size(); ++i)
-            if (!flats.is_replaced[i])
+        std::vector<char> is_replaced(cloud.samples.size(), 0);
+        if (cloud.denoised)
+        {
+            if (violated <= calm_votes || !(cloud.noise > 0))
+                return {};
+            times_.begin("flat faces");
+            NoisyFlatCompletion flats =
+                complete_noisy_flats(cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals,
+                                     resolve_threads(options_.threads));
+            added = std::move(flats.points);
+            normals = std::move(flats.normals);
+            is_replaced = std::move(flats.is_replaced);
+        }
+        if (added.empty())
+            return {};
+        Completion result{std::move(cloud.samples), std::move(cloud.normals), int(added.size())};
+        cloud.samples.clear();
+        cloud.normals.clear();
+        for (std::size_t i = 0; i < result.samples_before.size(); ++i)
+            if (!is_replaced[i])
             {
-                samples.push_back(cloud.samples[i]);
-                normals.push_back(cloud.normals[i]);
+                cloud.samples.push_back(result.samples_before[i]);
+                if (cloud.denoised)
+                    cloud.normals.push_back(result.normals_before[i]);
             }
-        samples.insert(samples.end(), flats.points.begin(), flats.points.end());
-        normals.insert(normals.end(), flats.normals.begin(), flats.normals.end());
-        cloud.samples = std::move(samples);
-        cloud.normals = std::move(normals);
-        return int(flats.points.size());
+        cloud.samples.insert(cloud.samples.end(), added.begin(), added.end());
+        cloud.normals.insert(cloud.normals.end(), normals.begin(), normals.end());
+        return result;
     }
 
     const Points& points_;
