@@ -24,29 +24,32 @@ constexpr double flat_share = 0.8;
 /// to 0.094; more than the upper one leaves no flat neighbours, so thin walls read as noise there.
 constexpr double least_noise = 0.1, walls = 0.4;
 
-/// What a crust is made of, in the unit frame.
+/// What a crust is made of, in a unit frame.
 struct LabelledSamples
 {
+    UnitFrame frame;
     Points samples;
     LabelledBalls labelled;
 };
 
 /// Samples of the surface, labelled with its normals.
-LabelledSamples label_surface(const Points& points, const UnitFrame& frame, const AmlsSurface& surface,
-                              const BallLabellingOptions& labelling, PhaseTimes& times, int& outliers,
-                              const Progress& progress)
+LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, const BallLabellingOptions& labelling,
+                              PhaseTimes& times, int& outliers, const Progress& progress)
 {
     times.begin("projection");
     SurfaceSamples sampled =
         sample_amls_surface(points, surface, labelling.threads, progress.part(0, 0.2, "AMLS projection"));
     outliers = sampled.outliers;
-    Points samples = frame.to_unit(sampled.samples.points);
-    if (samples.size() < 4)
-        throw AlgorithmFailure("No surface was found among the points: all but " + std::to_string(samples.size()) +
+    if (sampled.samples.points.size() < 4)
+        throw AlgorithmFailure("No surface was found among the points: all but " +
+                               std::to_string(sampled.samples.points.size()) +
                                " are isolated. Use a denser cloud, or select the part to reconstruct.");
+    // Not that of all points: one at the origin of a far coordinate system leaves the others a millionth of it.
+    const UnitFrame frame(outliers > 0 ? sampled.samples.points : points);
+    Points samples = frame.to_unit(sampled.samples.points);
     LabelledBalls labelled =
         label_polar_balls(samples, sampled.samples.normals, labelling, times, progress.part(0.2, 1, "polar balls"));
-    return {std::move(samples), std::move(labelled)};
+    return {frame, std::move(samples), std::move(labelled)};
 }
 
 } // namespace
@@ -77,11 +80,11 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
         LabelledBalls labelled =
             label_polar_balls(distinct, {}, labelling, times, progress.part(0.3, 0.5, "polar balls"));
         if (labelled.violated_votes <= flooded_above) // else points need the surface's normals
-            found = LabelledSamples{std::move(distinct), std::move(labelled)};
+            found = LabelledSamples{frame, std::move(distinct), std::move(labelled)};
     }
     const bool is_exact = found.has_value();
     if (!is_exact)
-        found = label_surface(points, frame, surface, labelling, times, result.outliers, progress.part(0.5, 0.75));
+        found = label_surface(points, surface, labelling, times, result.outliers, progress.part(0.5, 0.75));
     result.samples = int(found->samples.size());
     result.violated_votes = found->labelled.violated_votes;
     times.begin("crust");
@@ -92,7 +95,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     crust.interpolated = &found->samples;
     crust.threads = labelling.threads;
     result.mesh = make_crust(found->labelled, crust, progress.part(0.75, 0.85, "crust"));
-    frame.from_unit_in_place(result.mesh.vertices);
+    found->frame.from_unit_in_place(result.mesh.vertices);
     if (!is_exact)
     {
         times.begin("smooth");

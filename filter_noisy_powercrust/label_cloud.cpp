@@ -51,6 +51,8 @@ public:
     /// The points of an earlier attempt as they are, all balls kept by the spacing alone.
     LabelledCloud label_fine(PreparedSamples cloud, const Progress& progress)
     {
+        if (cloud.outliers > 0)
+            cloud.choose_frame(points_, points_);
         cloud.samples = cloud.distinct;
         cloud.normals.clear();
         cloud.surface.reset();

@@ -2,14 +2,18 @@
 
 #include "label_cloud.h"
 
+#include <recon/disjoint_sets.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <random>
 
 namespace recon
 {
@@ -30,17 +34,32 @@ void check(const PowerShapeOptions& options)
         throw InvalidInput("redundancy must lie between 0 (keep all) and 1.");
 }
 
-/// Cosine of the largest angle between two of the samples that a ball touches, seen from its centre.
-double cosine_of_object_angle(const Ball& ball, const std::array<int, 4>& touched, const Points& samples)
+/// Cosine of the largest angle between a sample of `first` and one of `second`, seen from the ball's centre.
+double cosine_of_largest_angle(const Ball& ball, const std::array<int, 4>& first, const std::array<int, 4>& second,
+                               const Points& samples)
 {
     double lowest = 1;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < i; ++j)
-            if (touched[i] < int(samples.size()) && touched[j] < int(samples.size()))
-                lowest = std::min(lowest, (samples[touched[i]] - ball.centre)
-                                              .normalized()
-                                              .dot((samples[touched[j]] - ball.centre).normalized()));
+    for (const int i : first)
+        for (const int j : second)
+            if (i < int(samples.size()) && j < int(samples.size()))
+                lowest = std::min(lowest,
+                                  (samples[i] - ball.centre).normalized().dot((samples[j] - ball.centre).normalized()));
     return lowest;
+}
+
+/// Per ball cosine of its object angle: the largest between two of the samples that it touches. Balls that coincide are
+/// one, and touch all that any of them touches.
+std::vector<double> list_cosines_of_object_angles(const LabelledBalls& labelled, const Points& samples)
+{
+    const std::vector<Ball>& balls = labelled.kept.balls;
+    const auto& touched = labelled.kept.touched;
+    std::vector<double> cosines;
+    for (std::size_t b = 0; b < balls.size(); ++b)
+        cosines.push_back(cosine_of_largest_angle(balls[b], touched[b], touched[b], samples));
+    for (const auto& [hidden, visible] : labelled.twins)
+        cosines[visible] = std::min(
+            cosines[visible], cosine_of_largest_angle(balls[visible], touched[visible], touched[hidden], samples));
+    return cosines;
 }
 
 /// Greedy cover: largest first, drops each ball that sticks out of one that is kept by less than `redundancy` radii.
@@ -48,7 +67,8 @@ std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vecto
 {
     std::vector<int> order = candidates;
     std::sort(order.begin(), order.end(),
-              [&](int a, int b) { return balls[a].radius != balls[b].radius ? balls[a].radius > balls[b].radius : a < b; });
+              [&](int a, int b)
+              { return balls[a].radius != balls[b].radius ? balls[a].radius > balls[b].radius : a < b; });
     Points centres;
     for (const int b : order)
         centres.push_back(balls[b].centre);
@@ -76,26 +96,48 @@ std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vecto
     return result;
 }
 
+/// Uniform among rotations (Shoemake 1992).
+Eigen::Matrix3d turn_at_random(unsigned seed)
+{
+    std::minstd_rand random(seed + 1);
+    random.discard(3); // the first follow the seed
+    std::uniform_real_distribution<double> uniform;
+    const double share = uniform(random), first = 2 * pi * uniform(random), second = 2 * pi * uniform(random);
+    const double a = std::sqrt(1 - share), b = std::sqrt(share);
+    return Eigen::Quaterniond(b * std::cos(second), a * std::sin(first), a * std::cos(first), b * std::sin(second))
+        .toRotationMatrix();
+}
+
 struct UnionMeasure
 {
     double volume = 0, area = 0;
 };
 
-/// Volume and area of the union of the balls with is_member, by the divergence theorem over directions of a Fibonacci sphere:
-/// a point of a ball's sphere is on the union's boundary if no neighbouring member holds it. \pre the balls without the others
-/// are those of `diagram`.
-UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>& balls, const std::vector<char>& is_member,
-                           int threads)
+/// Volume and area of the union of the balls with is_member, by the divergence theorem over directions of a Fibonacci
+/// sphere: a point of a ball's sphere is on the union's boundary if no neighbouring member holds it. Each
+/// ball turns the directions its own way: the same ones would all miss, or all meet, the small caps along a flat face.
+/// What is left of many spheres does not quite close, so positions count from the middle of each component: a far one
+/// must not weigh. \pre the balls without the others are those of `diagram`.
+UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>& balls,
+                           const std::vector<char>& is_member, int threads)
 {
     constexpr int directions = 256;
     std::vector<Vector> sphere;
     for (int k = 0; k < directions; ++k)
     {
-        const double z = 1 - (2 * k + 1.0) / directions, angle = pi * (3 - std::sqrt(5.0)) * k, r = std::sqrt(1 - z * z);
+        const double z = 1 - (2 * k + 1.0) / directions, angle = pi * (3 - std::sqrt(5.0)) * k,
+                     r = std::sqrt(1 - z * z);
         sphere.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
     }
     const CellsAtVertices at = list_cells_at_vertices(regular, int(balls.size()));
-    std::vector<UnionMeasure> parts(balls.size());
+    struct Part
+    {
+        double area = 0, flux = 0;       // of the position
+        Vector moment = Vector::Zero();  // of the boundary
+        Vector outward = Vector::Zero(); // sum of the normals, 0 but for the directions' steps
+    };
+    std::vector<Part> parts(balls.size());
+    DisjointSets components(balls.size());
     parallel_for(balls.size(), threads, {},
                  [&](std::size_t i)
                  {
@@ -109,28 +151,45 @@ UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>
                      std::sort(neighbours.begin(), neighbours.end());
                      neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
                      const Ball& ball = balls[i];
+                     for (const int j : neighbours)
+                         if ((ball.centre - balls[j].centre).norm() < ball.radius + balls[j].radius)
+                             components.join(int(i), j);
                      const double weight = 4 * pi * ball.radius * ball.radius / directions;
-                     for (const Vector& u : sphere)
+                     const Eigen::Matrix3d turn = turn_at_random(unsigned(i));
+                     for (const Vector& direction : sphere)
                      {
+                         const Vector u = turn * direction;
                          const Point p = ball.centre + ball.radius * u;
                          bool on_boundary = true;
                          for (const int j : neighbours)
-                             on_boundary =
-                                 on_boundary && (p - balls[j].centre).squaredNorm() >= balls[j].radius * balls[j].radius;
+                             on_boundary = on_boundary &&
+                                           (p - balls[j].centre).squaredNorm() >= balls[j].radius * balls[j].radius;
                          if (on_boundary)
                          {
                              parts[i].area += weight;
-                             parts[i].volume += weight * p.dot(u) / 3;
+                             parts[i].flux += weight * p.dot(u);
+                             parts[i].moment += weight * p;
+                             parts[i].outward += weight * u;
                          }
                      }
                  });
-    UnionMeasure sum;
-    for (const UnionMeasure& part : parts)
+    std::vector<Part> sums(balls.size());
+    for (std::size_t i = 0; i < balls.size(); ++i)
     {
-        sum.area += part.area;
-        sum.volume += part.volume;
+        Part& sum = sums[std::size_t(components.find(int(i)))];
+        sum.area += parts[i].area;
+        sum.flux += parts[i].flux;
+        sum.moment += parts[i].moment;
+        sum.outward += parts[i].outward;
     }
-    return sum;
+    UnionMeasure result;
+    for (const Part& sum : sums)
+        if (sum.area > 0)
+        {
+            result.area += sum.area;
+            result.volume += (sum.flux - sum.moment.dot(sum.outward) / sum.area) / 3;
+        }
+    return result;
 }
 
 /// Triangles and loose edges of the regular triangulation all of whose ends are wanted and on one side.
@@ -139,8 +198,9 @@ void list_simplices(const Triangulation& regular, const std::vector<Side>& label
 {
     const auto joined = [&](int a, int b)
     { return a >= 0 && b >= 0 && number[a] >= 0 && number[b] >= 0 && labels[a] == labels[b]; };
-    const auto edge = [&](int a, int b) -> std::array<int, 2>
-    { return {std::min(number[a], number[b]), std::max(number[a], number[b])}; };
+    const auto edge = [&](int a, int b) -> std::array<int, 2> {
+        return {std::min(number[a], number[b]), std::max(number[a], number[b])};
+    };
     std::vector<std::array<int, 2>> in_triangles, all;
     for (int c = 0; c < int(regular.cells.size()); ++c)
     {
@@ -162,7 +222,8 @@ void list_simplices(const Triangulation& regular, const std::vector<Side>& label
         std::sort(edges->begin(), edges->end());
         edges->erase(std::unique(edges->begin(), edges->end()), edges->end());
     }
-    std::set_difference(all.begin(), all.end(), in_triangles.begin(), in_triangles.end(), std::back_inserter(shape.edges));
+    std::set_difference(all.begin(), all.end(), in_triangles.begin(), in_triangles.end(),
+                        std::back_inserter(shape.edges));
 }
 
 } // namespace
@@ -200,13 +261,14 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     // Balls around the box have no sample of the shape's other side: they are no part of an outer medial axis.
     std::vector<int> wanted, dropped;
     const double highest_cosine = std::cos(options.object_angle * pi / 180);
+    const std::vector<double> cosines = list_cosines_of_object_angles(labelled, cloud.samples);
     for (int b = 0; b < int(balls.size()); ++b)
     {
         const bool inner = labelled.labels[b] == Side::inner;
         const bool of_side = options.side == MedialSide::both || inner == (options.side == MedialSide::inner);
         if (!is_visible[b] || !of_side || labelled.kept.is_outside[b])
             continue;
-        if (cosine_of_object_angle(balls[b], labelled.kept.touched[b], cloud.samples) <= highest_cosine)
+        if (cosines[b] <= highest_cosine)
             wanted.push_back(b);
         else
             dropped.push_back(b);

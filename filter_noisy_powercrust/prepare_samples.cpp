@@ -23,6 +23,12 @@ constexpr double certainly_flat = 0.75;
 
 } // namespace
 
+void PreparedSamples::choose_frame(const Points& spanning, const Points& points)
+{
+    frame = UnitFrame(spanning);
+    distinct = frame.to_unit(points_at(order, points));
+}
+
 PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
                                 const Progress& progress)
 {
@@ -31,12 +37,8 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     PreparedSamples result(points);
     result.order = order_spatially(points).order;
     // Sorted, so that neither the order of the input nor equal points have a say in what follows.
-    Points sorted;
-    for (const int i : result.order)
-    {
-        sorted.push_back(points[i]);
-        result.distinct.push_back(result.frame.to_unit(points[i]));
-    }
+    const Points sorted = points_at(result.order, points);
+    result.distinct = result.frame.to_unit(sorted);
     const Cleanness cleanness = measure_cleanness(result.distinct, resolve_threads(options.threads));
     result.cleanness = std::max(cleanness.long_cells, cleanness.flat_neighbours);
     // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however coarse.
@@ -74,6 +76,9 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         SurfaceSamples sampled =
             sample_amls_surface(sorted, *result.surface, options.threads, progress.part(0.7, 1, "AMLS projection"));
         result.outliers = sampled.outliers;
+        // A point at the origin of a far coordinate system leaves the others a millionth of the frame.
+        if (result.outliers > 0 && !sampled.samples.points.empty())
+            result.choose_frame(sampled.samples.points, points);
         result.samples = result.frame.to_unit(sampled.samples.points);
         result.normals = std::move(sampled.samples.normals);
     }

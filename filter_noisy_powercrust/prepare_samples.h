@@ -25,17 +25,19 @@ struct SamplePreparationOptions
     Denoise denoise = Denoise::automatic;
     double noise = 0;           ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
     bool needs_surface = false; ///< Make the AMLS surface of a noisy cloud even if the samples are not projected.
-    int threads = 0; ///< 0 = all cores.
+    int threads = 0;            ///< 0 = all cores.
 };
 
 /// A cloud made ready for label_polar_balls().
 struct PreparedSamples
 {
     explicit PreparedSamples(const Points& points) : frame(points) {}
+    /// Makes `frame` that of the points that `spanning` holds, and `distinct` fit it. \param points the input.
+    void choose_frame(const Points& spanning, const Points& points);
 
     UnitFrame frame;
     std::vector<int> order;             ///< Input index of each distinct point, in spatial order.
-    Points distinct;                    ///< Those points in the unit frame.
+    Points distinct;                    ///< Those points in the unit frame; outliers lie anywhere.
     double cleanness = 0;               ///< Share of points that look free of noise [0..1].
     bool is_noisy = false;              ///< What the gate found.
     bool is_doubtful = false;           ///< Only the roughness says so: that can be thin walls.

@@ -63,35 +63,41 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
 
 } // namespace
 
-int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, double share,
-                   std::vector<Side>& labels, int threads)
+int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<int>& weight,
+                   double share, std::vector<Side>& labels, int threads)
 {
     const int n = int(labels.size());
     const std::vector<char> is_visible = mark_vertices(regular, n);
     DisjointSets components = join_neighbours(regular, labels.size(), threads, [&](int v) { return int(labels[v]); });
-    std::vector<int> size(std::size_t(n), 0);
+    std::vector<int> visible(std::size_t(n), 0), size(std::size_t(n), 0);
     std::vector<char> has_root(std::size_t(n), 0);
-    int largest = 0;
+    int most_visible = 0, largest = 0;
     for (int i = 0; i < n; ++i)
         if (is_visible[i])
         {
             const int component = components.find(i);
-            ++size[component];
+            ++visible[component];
+            size[component] += weight[i];
             has_root[component] |= is_root[i];
             if (labels[i] == Side::inner)
+            {
+                most_visible = std::max(most_visible, visible[component]);
                 largest = std::max(largest, size[component]);
+            }
         }
+    const auto is_island = [&](int component)
+    { return !has_root[component] && visible[component] < share * most_visible && size[component] < share * largest; };
     std::vector<int> turned;
     for (int i = 0; i < n; ++i)
-        if (is_visible[i] && !has_root[components.find(i)] && size[components.find(i)] < share * largest)
+        if (is_visible[i] && is_island(components.find(i)))
             turned.push_back(i);
     for (const int i : turned)
         labels[i] = opposite(labels[i]);
     return int(turned.size());
 }
 
-void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<double>& margins, double share,
-                   std::vector<int>& doubtful, int threads)
+void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<double>& margins,
+                   double share, std::vector<int>& doubtful, int threads)
 {
     const std::size_t n = labels.size();
     std::vector<char> is_doubtful(n, 0);
@@ -160,7 +166,8 @@ void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels
                 }
             }
     }
-    doubtful.erase(std::remove_if(doubtful.begin(), doubtful.end(), [&](int ball) { return !is_doubtful[ball]; }), doubtful.end());
+    doubtful.erase(std::remove_if(doubtful.begin(), doubtful.end(), [&](int ball) { return !is_doubtful[ball]; }),
+                   doubtful.end());
 }
 
 int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<char>& is_small,

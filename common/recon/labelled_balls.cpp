@@ -163,7 +163,8 @@ KeptBalls keep_balls(const Points& samples, const Vectors& normals, const BallLa
 }
 
 /// Attractions between neighbouring balls, pairs that are certain, and the roots.
-SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept, bool oriented,
+SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept,
+                       const std::vector<std::array<int, 2>>& twins, bool oriented,
                        const BallLabellingOptions& options, const Progress& progress)
 {
     BallAttractionOptions attraction_options;
@@ -176,7 +177,7 @@ SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept, bool
     graph.nodes = int(kept.polar.balls.size());
     graph.edges = std::move(attraction.edges);
     graph.merged = std::move(attraction.merged);
-    for (const auto& pair : pair_hidden_balls(regular, kept.polar.balls))
+    for (const auto& pair : twins)
     {
         graph.merged.push_back(pair);
         graph.edges.push_back({pair[0], pair[1], certain});
@@ -231,9 +232,14 @@ void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads
     spare_bridges(balls.regular, balls.labels, margins, island_share, doubtful, threads);
     if (!doubtful.empty())
         balls.diagram.remove(doubtful, balls.regular, threads);
+    // A cavity or a ball inside it is an island of one visible ball, for which all its samples stand.
+    std::vector<int> weight(std::size_t(graph.nodes), 1);
+    for (const auto& [hidden, visible] : balls.twins)
+        weight[visible] += std::exchange(weight[hidden], 0);
     // The second round sees what the first joined.
     for (int round = 0;
-         round < 2 && absorb_islands(balls.regular, graph.is_root, island_share, balls.labels, threads) > 0; ++round)
+         round < 2 && absorb_islands(balls.regular, graph.is_root, weight, island_share, balls.labels, threads) > 0;
+         ++round)
         continue;
     cut_handles(balls.regular, graph.is_root, is_small, margins, balls.labels, threads);
     // Removal can bring other balls to the hull; outside is all that is known there.
@@ -262,7 +268,8 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     Triangulation regular = diagram.triangulation(options.threads, progress.part(0.35, 0.6, "power diagram"));
 
     times.begin("labels");
-    SignedGraph graph = link_balls(regular, kept, oriented, options, progress.part(0.6, 0.75, "attraction of balls"));
+    std::vector<std::array<int, 2>> twins = pair_hidden_balls(regular, kept.polar.balls);
+    SignedGraph graph = link_balls(regular, kept, twins, oriented, options, progress.part(0.6, 0.75, "attraction of balls"));
     std::vector<Side> labels;
     const double violated = label_balls(graph, kept, samples, normals, options, labels);
     progress.part(0.75, 0.85, "labels").report(1);
@@ -274,7 +281,8 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
                          std::move(labels),
                          std::move(kept.scale),
                          kept.median_spacing,
-                         violated};
+                         violated,
+                         std::move(twins)};
     repair(result, graph, oriented, options.threads);
     progress.part(0.85, 1, "repair").report(1);
     times.end();

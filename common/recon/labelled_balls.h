@@ -7,6 +7,7 @@
 #include <recon/signed_labelling.h>
 #include <recon/triangulation.h>
 
+#include <array>
 #include <vector>
 
 namespace recon
@@ -36,6 +37,8 @@ struct LabelledBalls
     std::vector<double> scale; ///< Per ball: local scale of the samples it touches [unit length].
     double spacing = 0;        ///< Median scale of the samples' spacing [unit length].
     double violated_votes = 0; ///< Share of the votes' weight that the labels contradict [0..1].
+    /// Hidden balls, and for each the visible one that is nearly the same: of a sphere's thousands one is visible.
+    std::vector<std::array<int, 2>> twins;
 };
 
 /// Algorithm 4.1 of Mederos et al. (2005), steps 1 to 5, with a local threshold and a global labelling: Delaunay

@@ -356,10 +356,15 @@ TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)
     const std::vector<Side> truth = labels;
     const auto index = [&](int x, int y, int z) { return (x * (steps + 1) + y) * (steps + 1) + z; };
 
+    std::vector<int> weight(balls.size(), 1);
     labels[index(7, 7, 7)] = Side::outer; // a void
     labels[index(1, 1, 13)] = Side::inner; // an island
-    EXPECT_EQ(absorb_islands(regular, is_root, 0.02, labels), 2);
+    EXPECT_EQ(absorb_islands(regular, is_root, weight, 0.02, labels), 2);
     EXPECT_EQ(labels, truth);
+    weight[index(7, 7, 7)] = 1000; // a void whose balls coincide
+    labels[index(7, 7, 7)] = Side::outer;
+    EXPECT_EQ(absorb_islands(regular, is_root, weight, 0.02, labels), 0);
+    labels = truth;
 
     // A tunnel of outer balls through the middle makes a torus; all but one of them are certain, so that one is cut.
     std::vector<double> margins(balls.size(), 1);

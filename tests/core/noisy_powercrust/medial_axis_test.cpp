@@ -157,6 +157,29 @@ TEST(PowerShape, OfABoxReachesIntoItsCorners)
     }
 }
 
+TEST(PowerShape, OfAnExactSphereIsItsCentre)
+{
+    const PowerShape shape = compute_power_shape(shapes::sphere(3000, 1, 5).points);
+    ASSERT_FALSE(shape.centres.empty());
+    for (std::size_t i = 0; i < shape.centres.size(); ++i)
+    {
+        EXPECT_LT(shape.centres[i].norm(), 1e-6);
+        EXPECT_NEAR(shape.radii[i], 1, 1e-6);
+    }
+    EXPECT_NEAR(shape.union_volume, 4 * pi / 3, 1e-3);
+}
+
+TEST(PowerShape, AFarOutlierHardlyChangesTheVolume)
+{
+    Points points = shapes::with_noise(shapes::torus(3000, 1, 0.4, 1).points, 0.01, 2);
+    for (const double far : {10.0, 1000.0})
+    {
+        points.emplace_back(far, far, far);
+        EXPECT_NEAR(compute_power_shape(points).union_volume, 2 * pi * pi * 0.16, 0.2) << far;
+        points.pop_back();
+    }
+}
+
 TEST(PowerShape, SidesAndPruningDoWhatTheySay)
 {
     const Points points = shapes::torus(3000, 3, 1, 1).points;

@@ -229,6 +229,30 @@ TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
     EXPECT_NEAR(checks::examine_mesh(both.mesh).volume, 4 * pi / 3 * 1.125, 0.1);
 }
 
+TEST(NoisyPowerCrust, AnExactCavityStays)
+{
+    // All inner poles of an exact sphere coincide: one visible ball stands for the whole cavity.
+    Points points = shapes::sphere(6000, 1, 1).points;
+    const Points cavity = shapes::sphere(3000, 0.5, 2).points;
+    points.insert(points.end(), cavity.begin(), cavity.end());
+    NoisyPowerCrustOptions options;
+    options.keep_components = KeepComponents::all;
+    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points, options).mesh);
+    EXPECT_EQ(report.components, 2);
+    EXPECT_NEAR(report.volume, 4 * pi / 3 * (1 - 0.125), 0.02);
+}
+
+TEST(NoisyPowerCrust, APointAtAFarOriginCostsTheOthersNothing)
+{
+    Points points = shapes::with_noisy_copies(shapes::torus(2000, 1, 0.35, 2).points, 0.01, 2, 9);
+    points.emplace_back(1e6, 5e5, 0);
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+    EXPECT_EQ(crust.outliers, 1);
+    EXPECT_EQ(crust.genus, 1);
+    for (const Point& p : crust.mesh.vertices)
+        EXPECT_LT(shapes::distance_to_torus(p, 1, 0.35), 0.06);
+}
+
 TEST(NoisyPowerCrust, ClosesAHoleOfTheScanAndTrimsItWhenAsked)
 {
     Points points;
