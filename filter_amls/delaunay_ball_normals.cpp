@@ -37,7 +37,7 @@ void check(const DelaunayBallOptions& options)
 std::vector<double> find_thresholds(const Points& points, const DelaunayBallOptions& options, int threads)
 {
     const double ratio = options.big_ball_ratio > 0 ? options.big_ball_ratio : paper_ratio;
-    const int k = options.neighbours > 0 ? options.neighbours : paper_neighbours;
+    const int k = std::min(options.neighbours > 0 ? options.neighbours : paper_neighbours, int(points.size()));
     const NeighbourSearch search(points);
     std::vector<double> thresholds(points.size());
     parallel_chunks(points.size(), threads, 1024, {},

@@ -101,15 +101,15 @@ std::vector<double> measure_feature_size(const Points& queries, const Points& po
         return raw;
     std::vector<double> smooth(raw.size());
     const NeighbourSearch points(queries);
+    const int wanted = int(std::min(std::size_t(options.smoothing), queries.size()));
     parallel_chunks(queries.size(), threads, 1024, {},
                     [&](std::size_t begin, std::size_t end)
                     {
-                        std::vector<int> near(options.smoothing);
-                        std::vector<double> squared(options.smoothing);
+                        std::vector<int> near(wanted);
+                        std::vector<double> squared(wanted);
                         for (std::size_t i = begin; i < end; ++i)
                         {
-                            const int count =
-                                points.nearest(queries[i], options.smoothing, near.data(), squared.data());
+                            const int count = points.nearest(queries[i], wanted, near.data(), squared.data());
                             double sum = 0;
                             for (int k = 0; k < count; ++k)
                                 sum += raw[near[k]];

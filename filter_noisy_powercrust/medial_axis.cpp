@@ -283,7 +283,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
         dropped.insert(dropped.end(), redundant.begin(), redundant.end());
     }
     if (wanted.empty())
-        throw AlgorithmFailure("No polar ball is left on that side. Lower ball_threshold and object_angle.");
+        throw AlgorithmFailure("No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");
     std::vector<char> is_inner(balls.size(), 0);
     for (const int b : wanted)
         is_inner[b] = labelled.labels[b] == Side::inner;

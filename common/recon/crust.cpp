@@ -61,8 +61,8 @@ TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& optio
 {
     CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels, options.threads);
     if (polygons.corners.empty())
-        throw AlgorithmFailure(
-            "No polar ball inside the surface is left. Lower ball_threshold, or set it to 0 (automatic).");
+        throw AlgorithmFailure("No polar ball inside the surface is left. Lower ball_threshold if it is not 0 "
+                               "(automatic); if it is, the points are too few or too scattered for a surface.");
     progress.report(0.2);
     TriangleMesh mesh = options.simplify ? simplify(std::move(polygons), labelled, options, progress)
                                          : triangulate_polygons(polygons, options.threads);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace recon;
 
@@ -97,6 +98,20 @@ TEST(LocalFeatureSize, IsLipschitzAndSmoothingKeepsItsLevel)
     EXPECT_NE(raw, smooth);
     options.smoothing = -1;
     EXPECT_THROW(find_local_feature_size(points, surface, options), InvalidInput);
+}
+
+TEST(LocalFeatureSize, MoreNeighboursThanPointsAreAllPoints)
+{
+    const Points points = shapes::torus(500, major_radius, minor_radius, 5).points;
+    FeatureSizeOptions options;
+    options.smoothing = std::numeric_limits<int>::max();
+    const std::vector<double> smooth = find_local_feature_size(points, build_amls_surface(points), options).at_query;
+    for (const double size : smooth)
+        EXPECT_NEAR(size, smooth.front(), 1e-9);
+    DelaunayBallOptions normals;
+    normals.neighbours = std::numeric_limits<int>::max();
+    normals.big_ball_ratio = 0.2;
+    EXPECT_EQ(find_delaunay_ball_normals(points, normals).normals.size(), points.size());
 }
 
 TEST(DelaunayBallNormals, PointOutwardWithAndWithoutNoise)
