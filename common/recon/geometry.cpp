@@ -76,8 +76,8 @@ void UnitFrame::from_unit_in_place(Points& points) const
 void check_spans_volume(const Points& points)
 {
     if (points.size() < 4)
-        throw InvalidInput("At least 4 points that do not lie in one plane are needed, and there are " +
-                           std::to_string(points.size()) + ". Load or select more points.");
+        throw InvalidInput("Too few points (" + std::to_string(points.size()) +
+                           "): at least 4 that do not lie in one plane are needed. Load or select more points.");
     const UnitFrame frame(points);
     Vector mean = Vector::Zero();
     for (const Point& p : points)
