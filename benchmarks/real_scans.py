@@ -14,6 +14,7 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "tests" / "hosts"), str(ROOT / "examples")]
 import hosts
+import released_filters
 import meshlab_2020
 import render
 from mesh_checks import examine
@@ -27,7 +28,7 @@ def main():
     arguments.add_argument("names", nargs="*", default=SCANS)
     arguments.add_argument("--pictures", type=Path)
     arguments = arguments.parse_args()
-    crust = hosts.NOISY_POWER_CRUST
+    crust = released_filters.NOISY_POWER_CRUST
     print("| scan | points | host | closed, manifold, outward | components | Euler characteristic | triangles | seconds |")
     print("|---|---|---|---|---|---|---|---|")
     with meshlab_2020.Display() as display, tempfile.TemporaryDirectory() as work:
