@@ -332,7 +332,7 @@ private:
     bool refine_level(bool is_last, const Progress& progress, PhaseTimes& times)
     {
         times.begin("leaves");
-        const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name));
+        const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name_));
         if (graph.is_empty)
             return false;
         std::vector<LeafChildren> children(level_.leaves.size());
@@ -366,7 +366,7 @@ private:
                               children,
                               next_radius,
                               open_gaps};
-        refine_leaves(step, threads_, progress.part(0.05, 0.9, progress_name));
+        refine_leaves(step, threads_, progress.part(0.05, 0.9, progress_name_));
 
         times.begin("grow");
         std::vector<int> first(children.size() + 1, 0);
@@ -405,7 +405,7 @@ private:
             { move_onto_sample_surface(*usable_, slack_, level_.points, corners, made); };
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};
-        const Progress growing = progress.part(0.9, 1, progress_name);
+        const Progress growing = progress.part(0.9, 1, progress_name_);
         if (is_last)
         {
             append_children(level_, growth, frame_, appended, threads_, growing);
@@ -468,7 +468,7 @@ private:
             4096);
     }
 
-    const std::string progress_name = "refining";
+    const std::string progress_name_ = "refining";
     const PnRefineOptions& options_;
     const UnitFrame frame_;
     const int threads_;
