@@ -5,7 +5,7 @@
 namespace recon
 {
 
-/// What tells a cloud without noise from a noisy one, as shares of its samples [0..1].
+/// What tells a cloud without noise from a noisy one; shares of its samples are [0..1].
 struct Cleanness
 {
     /// The Voronoi cell is long and thin on both sides, see has_clean_poles(). Measured: 0.73 to 1 on clean clouds (0.3
@@ -25,13 +25,14 @@ struct Cleanness
     double noise = 0; ///< Its median [length]: the noise, unless curvature hides it.
 
     bool is_clean() const { return long_cells > 0.7 || flat_neighbours > 0.63; }
-    /// Whether a wider fit follows the samples as well as a narrow one, so that averages gain and lose nothing. Noise
-    /// of more than 0.45 spacings leaves neither long cells nor flat neighbours; two near sheets are as rough.
+    /// Whether a wider fit follows the samples nearly as well as a narrow one, so that averages gain more than they
+    /// blur. Noise of more than 0.45 spacings leaves neither long cells nor flat neighbours; two near sheets are as
+    /// rough.
     bool is_smooth_but_noisy() const { return whiteness > 0.5 && roughness > 0.05 && roughness < 0.45; }
 };
 
-/// Taken at 200 samples from the Delaunay triangulations of their 32 nearest, so it costs little beside any
-/// triangulation of the whole. \param samples distinct, in spatial order.
+/// Taken at 400 samples and the Delaunay triangulations of the 32 nearest of half of them, so it costs little beside
+/// any triangulation of the whole. \param samples distinct, in spatial order.
 Cleanness measure_cleanness(const Points& samples, int threads);
 
 /// Whether the directions to a sample's two poles and their lengths are those of a surface without noise.
