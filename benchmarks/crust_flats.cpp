@@ -127,8 +127,7 @@ int main(int argc, char** argv)
                     noisy_cloud(model, std::atof(sigma.c_str()), unsigned(std::atoi(argv[1]))), options);
                 const checks::MeshReport report = checks::examine_mesh(crust.mesh);
                 const double volume = report.volume / (ground * shape.height);
-                const bool ok = report.is_closed_oriented_manifold() && report.components == 1 &&
-                                report.genus() == model.genus && std::abs(volume - 1) < 0.03;
+                const bool ok = is_right(report, model.genus, volume);
                 std::printf("| %s | %s | %s | %zu | %d | %d | %d / %d | %.3f | %.3f |\n", shape.name, sigma.c_str(),
                             ok ? "yes" : "-", model.mesh.vertices.size(), crust.completed, report.components, report.genus(),
                             model.genus, volume, crust.violated_votes);

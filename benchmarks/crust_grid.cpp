@@ -83,8 +83,7 @@ int main(int argc, char** argv)
                 const double ratio = (cpu_seconds() - begin) / unit;
                 const checks::MeshReport report = checks::examine_mesh(crust.mesh);
                 const double volume = report.volume / model.volume;
-                const bool ok = report.is_closed_oriented_manifold() && report.components == 1 &&
-                                report.genus() == model.genus && std::abs(volume - 1) < 0.03;
+                const bool ok = is_right(report, model.genus, volume);
                 right += ok;
                 log_ratio += std::log(ratio);
                 const auto distance = truth.summarise(crust.mesh.vertices);

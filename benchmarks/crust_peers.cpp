@@ -16,7 +16,6 @@
 
 #include <sys/resource.h>
 
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -56,8 +55,7 @@ void judge(const std::string& model_path, const std::string& mesh_path)
     const double volume = report.volume / model.volume;
     std::printf("closed_manifold %d\ncomponents %d\ngenus %d\ntrue_genus %d\nvolume %.4f\n",
                 report.is_closed_oriented_manifold(), report.components, report.genus(), model.genus, volume);
-    std::printf("right %d\n", report.is_closed_oriented_manifold() && report.components == 1 &&
-                                  report.genus() == model.genus && std::abs(volume - 1) < 0.03);
+    std::printf("right %d\n", is_right(report, model.genus, volume));
     std::printf("rms %.1f\ntriangles %zu\n",
                 1e6 * MeshDistance(model.mesh).summarise(mesh.vertices).rms / model.diagonal, mesh.triangles.size());
 }

@@ -164,8 +164,7 @@ int main(int argc, char** argv)
                     const double seconds = cpu_seconds() - begin;
                     const checks::MeshReport report = checks::examine_mesh(mesh);
                     const double volume = report.volume / model.volume;
-                    const bool ok = report.is_closed_oriented_manifold() && report.components == 1 &&
-                                    report.genus() == model.genus && std::abs(volume - 1) < 0.03;
+                    const bool ok = is_right(report, model.genus, volume);
                     right[filter] += ok;
                     if (ok)
                         std::printf(" right");

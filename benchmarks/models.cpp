@@ -3,6 +3,7 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
+#include <cmath>
 #include <cstring>
 #include <ctime>
 #include <fstream>
@@ -227,6 +228,12 @@ void save_ply(const std::string& path, const recon::Points& points, const recon:
             out.write(reinterpret_cast<const char*>(n.data()), 12);
         }
     }
+}
+
+bool is_right(const checks::MeshReport& report, int genus, double volume)
+{
+    return report.is_closed_oriented_manifold() && report.components == 1 && report.genus() == genus &&
+           std::abs(volume - 1) < 0.03;
 }
 
 recon::Points noisy_cloud(const Model& model, double percent, unsigned seed)

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/checks.h"
+
 #include <recon/geometry.h>
 
 #include <string>
@@ -20,6 +22,10 @@ struct Model
 Model load_model(const std::string& path);
 void save_ply(const std::string& path, const recon::TriangleMesh& mesh);
 void save_ply(const std::string& path, const recon::Points& points, const recon::Vectors& normals = {});
+
+/// What the tables call right: one component of that genus, closed, manifold, outward, its volume within 3 % of the true
+/// one. \param volume over the true one.
+bool is_right(const checks::MeshReport& report, int genus, double volume);
 
 /// The cloud of one cell: each vertex plus 4 Gaussian copies at sigma = percent / 100 x diagonal; the vertices alone at 0.
 recon::Points noisy_cloud(const Model& model, double percent, unsigned seed);

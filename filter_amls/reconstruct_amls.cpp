@@ -73,9 +73,12 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     // Exact points are themselves the best samples: walls thinner than the width have no other.
     std::optional<LabelledSamples> found;
     const double noise = surface.report().least_noise;
-    const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
-    if (options.noise == 0 && (noise < least_noise || noise > walls) && cleanness.flat_neighbours > flat_share &&
-        !cleanness.is_smooth_but_noisy())
+    const auto looks_exact = [&]
+    {
+        const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
+        return cleanness.flat_neighbours > flat_share && !cleanness.is_smooth_but_noisy();
+    };
+    if (options.noise == 0 && (noise < least_noise || noise > walls) && looks_exact())
     {
         LabelledBalls labelled =
             label_polar_balls(distinct, {}, labelling, times, progress.part(0.3, 0.5, "polar balls"));

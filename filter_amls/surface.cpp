@@ -7,6 +7,7 @@
 
 #include <recon/block_search.h>
 #include <recon/errors.h>
+#include <recon/median.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
@@ -24,15 +25,6 @@ constexpr double narrowest_spacings = 1.2; // a width by rho_e below it would fi
 constexpr int reported_sizes = 2000;       // places of which the median rho_e is told
 constexpr double widest = 0.25;            // diagonals
 const double rho_per_width = std::pow(2.0, 0.25);
-
-double median(std::vector<double> values)
-{
-    if (values.empty())
-        return 0;
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 void check_options(const Points& points, const AmlsOptions& options, const Vectors& normals)
 {

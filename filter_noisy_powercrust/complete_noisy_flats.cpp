@@ -7,6 +7,7 @@
 
 #include <recon/block_search.h>
 #include <recon/disjoint_sets.h>
+#include <recon/median.h>
 #include <recon/neighbours.h>
 
 #include <Eigen/Geometry>
@@ -38,13 +39,6 @@ constexpr double agreeing = 0.1;
 constexpr double explained = 0.7;
 /// Highest wall looked for [diagonals of the rim's box].
 constexpr double highest_wall = 3;
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 class NoisyFlatCompleter
 {
@@ -337,7 +331,8 @@ private:
     void append_wall(const FlatFace& face, const Loop& loop, const Wall& wall, const Points& rims, bool ends_at_base)
     {
         const Vector up = wall.side * face.normal;
-        const auto raise = [&](const Point& foot, const Vector& away, double spacing)
+        const double spacing = spacing_of(loop, rims);
+        const auto raise = [&](const Point& foot, const Vector& away)
         {
             const int pieces = std::max(1, int(std::ceil(wall.height / spacing)));
             for (int j = 1; j <= pieces; ++j)
@@ -357,12 +352,11 @@ private:
             const Vector &first = loop.away[edge[0]], &second = loop.away[edge[1]];
             if (first.dot(second) <= 0)
                 continue;
-            const double spacing = (b - a).norm();
-            const int pieces = std::max(1, int(std::ceil(spacing / spacing_of(loop, rims))));
+            const int pieces = std::max(1, int(std::ceil((b - a).norm() / spacing)));
             for (int j = 0; j < 2 * pieces; ++j)
             {
                 const double t = 0.5 * j / pieces;
-                raise(a + t * (b - a), ((1 - t) * first + t * second).normalized(), spacing_of(loop, rims));
+                raise(a + t * (b - a), ((1 - t) * first + t * second).normalized());
             }
         }
     }

@@ -4,6 +4,7 @@
 #include "planar_faces.h"
 
 #include <recon/block_search.h>
+#include <recon/median.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
@@ -56,13 +57,6 @@ Neighbourhood look_around(const BlockSearch& search, const Point& p)
     Neighbourhood result;
     result.count = search.nearest(p, around, result.indices, result.squared);
     return result;
-}
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 void fit(Plane& plane, const Points& samples, const std::vector<int>& members)

@@ -13,7 +13,6 @@ namespace recon
 struct FlatFaceOptions
 {
     double tolerance = 0.01; ///< Samples of a plane lie this near to it [rim spacings], > 0.
-    double noise = 0;        ///< Standard deviation of the samples' noise [length], >= 0; tolerances grow with it.
     int fewest_samples = 12; ///< A plane that counts has as many [count], >= 4.
     int threads = 1;
 };

@@ -77,7 +77,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
             sample_amls_surface(sorted, *result.surface, options.threads, progress.part(0.7, 1, "AMLS projection"));
         result.outliers = sampled.outliers;
         // A point at the origin of a far coordinate system leaves the others a millionth of the frame.
-        if (result.outliers > 0 && !sampled.samples.points.empty())
+        if (result.outliers > 0 && sampled.samples.points.size() >= 4)
             result.choose_frame(sampled.samples.points, points);
         result.samples = result.frame.to_unit(sampled.samples.points);
         result.normals = std::move(sampled.samples.normals);

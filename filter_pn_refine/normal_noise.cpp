@@ -1,10 +1,13 @@
 #include "normal_noise.h"
 
+#include <recon/median.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace recon::pn
 {
@@ -46,11 +49,7 @@ double estimate_normal_noise(const UsableSamples& usable)
         // The prediction errs as well.
         errors.push_back((off - off.dot(normal) * normal).norm() / std::sqrt(1 + inverse(0, 0)));
     }
-    if (errors.empty())
-        return 0;
-    const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    return *middle / 1.1774; // the median length of two components
+    return median(std::move(errors)) / 1.1774; // the median length of two components
 }
 
 double slack_of_gradients(double normal_noise)

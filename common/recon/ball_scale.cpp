@@ -1,6 +1,7 @@
 #include <recon/ball_scale.h>
 
 #include <recon/cleanness.h>
+#include <recon/median.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -22,13 +23,6 @@ constexpr double clean_above = 0.45, flat_above = 0.75;
 /// In a cloud more of whose neighbours than this lie flat, a smaller share is enough.
 constexpr double flat_cloud = 0.9, flat_above_in_flat_cloud = 0.6;
 constexpr double pi = 3.14159265358979323846;
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 void append_scale(BallScale& result, double scale, double count, double factor)
 {

@@ -1,7 +1,11 @@
 #pragma once
 
 // Shapes with flat faces, sampled along their edges only.
+#include "tests/checks.h"
+
 #include <recon/geometry.h>
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,6 +40,17 @@ inline recon::Points flange()
             append_ring(points, 0.33 * std::cos(pi / 2 * k), 0.33 * std::sin(pi / 2 * k), z, bore, 18);
     }
     return points;
+}
+
+/// One closed surface with all holes of the flange and its volume.
+inline void expect_bored_flange(const recon::TriangleMesh& mesh)
+{
+    const checks::MeshReport report = checks::examine_mesh(mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 1 + bores);
+    const double area = pi * (outer * outer - hub * hub - bores * bore * bore);
+    EXPECT_NEAR(report.volume / (area * thickness), 1, 0.03);
 }
 
 /// A prism sampled along its edges only.
