@@ -5,6 +5,7 @@
 #include "plain_mls.h"
 #include "project.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace
@@ -76,12 +77,16 @@ plugin::ParameterTable<ProjectionFilterOptions> projection_table()
         .number("cut_off", &Options::cut_off, "Cut-off",
                 "What is farther than this many widths does not count. 0: 2.2 for anchors (at most 2.8), 5 for the "
                 "paper's.")
-        .flag("remove_outliers", &Options::remove_outliers, "Remove outliers",
-              "Delete isolated points. Otherwise they stay where they are and become the selection.")
+        .flag(
+            "remove_outliers", &Options::remove_outliers, "Remove outliers",
+            "Delete isolated points. Otherwise they stay where they are and become the selection. Points too far from "
+            "the surface of another layer are never deleted.")
         .flag("select_not_converged", &Options::select_not_converged, "Select what did not converge",
               "Select also the points whose projection has not converged.")
         .text("surface_layer", &Options::surface_layer, "Surface layer",
-              "Name of the layer whose points define the surface. Empty: the current layer, all its points.")
+              "Name of the layer whose points define the surface. Empty: the current layer, all its points. Points "
+              "farther from that surface than 0.9 local feature sizes, with none of it within reach of the weights, "
+              "stay where they are, are selected and count as points_too_far.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only",
               "Move only the selected vertices; the surface is defined by all.")
         .count(
@@ -94,7 +99,7 @@ struct Projected
 {
     Points points;
     Vectors normals;
-    std::vector<char> outlier, converged;
+    std::vector<ProjectionStatus> status;
     double iterations = 0, neighbours = 0; // means
 };
 
@@ -119,11 +124,10 @@ Projected project_to_anchors(const Points& queries, const Points& defining, cons
     Projected projected;
     for (std::size_t i = 0; i < queries.size(); ++i)
     {
-        projected.outlier.push_back(found.status[i] == ProjectionStatus::outlier);
-        projected.converged.push_back(found.status[i] != ProjectionStatus::not_converged);
         projected.iterations += found.iterations[i] / double(queries.size());
         projected.neighbours += found.neighbours[i] / double(queries.size());
     }
+    projected.status = std::move(found.status);
     projected.points = std::move(found.points);
     projected.normals = std::move(found.normals);
     return projected;
@@ -169,13 +173,12 @@ Projected project_to_paper(const Points& queries, const Points& defining, const 
     result.values.emplace_back("seconds_projection", seconds_since(start));
     result.values.emplace_back("rho_e", how.rho_e);
     Projected projected;
-    projected.outlier.assign(queries.size(), 0);
     for (std::size_t i = 0; i < queries.size(); ++i)
     {
+        projected.status.push_back(moved.converged[i] ? ProjectionStatus::converged : ProjectionStatus::not_converged);
         projected.iterations += moved.iterations[i] / double(queries.size());
         projected.neighbours += moved.neighbours[i] / double(queries.size());
     }
-    projected.converged = std::move(moved.converged);
     projected.points = std::move(moved.points);
     projected.normals = std::move(moved.normals);
     return projected;
@@ -204,14 +207,15 @@ plugin::FilterResult project_points(const plugin::InputLayer& layer, const Proje
                               ? project_to_anchors(queries, defining.points, normals, options, progress, result)
                               : project_to_paper(queries, defining.points, normals, options, progress, result);
 
-    int outliers = 0, not_converged = 0;
+    const auto count = [&](ProjectionStatus wanted)
+    { return int(std::count(projected.status.begin(), projected.status.end(), wanted)); };
     std::vector<char> selected(used.size(), 0);
     for (std::size_t i = 0; i < used.size(); ++i)
     {
-        outliers += projected.outlier[i];
-        not_converged += !projected.converged[i];
-        selected[i] = projected.outlier[i] || (options.select_not_converged && !projected.converged[i]);
-        if (projected.outlier[i] && options.remove_outliers)
+        const ProjectionStatus status = projected.status[i];
+        selected[i] = status == ProjectionStatus::outlier || status == ProjectionStatus::too_far ||
+                      (options.select_not_converged && status == ProjectionStatus::not_converged);
+        if (status == ProjectionStatus::outlier && options.remove_outliers)
             result.removed.push_back(used[i]);
     }
     result.changed.vertices = used;
@@ -219,9 +223,12 @@ plugin::FilterResult project_points(const plugin::InputLayer& layer, const Proje
     result.changed.normals = std::move(projected.normals);
     if (!options.remove_outliers || options.select_not_converged)
         result.changed.selected = std::move(selected);
-    result.values.emplace_back("points_projected", int(used.size()) - outliers);
-    result.values.emplace_back("outliers", outliers);
-    result.values.emplace_back("points_not_converged", not_converged);
+    result.values.emplace_back("points_projected",
+                               int(std::count_if(projected.status.begin(), projected.status.end(), recon::is_moved)));
+    result.values.emplace_back("outliers", count(ProjectionStatus::outlier));
+    result.values.emplace_back("points_kept", count(ProjectionStatus::kept));
+    result.values.emplace_back("points_too_far", count(ProjectionStatus::too_far));
+    result.values.emplace_back("points_not_converged", count(ProjectionStatus::not_converged));
     result.values.emplace_back("mean_iterations", projected.iterations);
     result.values.emplace_back("mean_neighbours", projected.neighbours);
     return result;

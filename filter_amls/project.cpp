@@ -23,7 +23,11 @@ constexpr double least_weight = 1e-6;                     // below it no anchor 
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
-constexpr double slack = 0.35;         // widths: how far a point may move before its anchors are gathered again
+constexpr double domain = 0.9;     // local feature sizes from which Newton's method on I returns (figure 11, measured)
+constexpr double unresolved = 0.5; // spacings: samples do not tell closer detail
+constexpr int asked_neighbours = 6, agreeing_neighbours = 2;    // that tell an edge from an outlier
+constexpr double agreeing_motion = 0.1, neighbour_distance = 4; // share of the motion; spacings
+constexpr double slack = 0.35; // widths: how far a point may move before its anchors are gathered again
 constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
 /// Times 1 - cosine of the turn: how much stricter agreement is with anchors that face elsewhere.
 constexpr double turning = 3;
@@ -193,30 +197,74 @@ public:
         result.spacings[i] = data_.frame.scale() / std::sqrt(scale.density);
         result.normals[i] = side;
         result.points[i] = start;
-
-        double farthest = motion_sigmas * scale.sigma + motion_widths * h;
-        if (options_.foreign_points)
-            farthest = std::max(farthest, foreign_motion * (start - data_.cells.means[cell]).norm());
         if (data_.cell_normals.kinds[cell] == CellKind::outlier)
         {
-            result.status[i] = ProjectionStatus::outlier;
+            result.status[i] = options_.foreign_points ? ProjectionStatus::too_far : ProjectionStatus::outlier;
             return;
         }
 
+        const Landing landing = land(start, cell);
+        result.iterations[i] = std::uint8_t(std::min(landing.steps, 255));
+        result.neighbours[i] = landing.neighbours;
+        const double noise_moves = motion_sigmas * scale.sigma + motion_widths * h;
+        const double farthest = options_.foreign_points
+                                    ? std::max(noise_moves, foreign_motion * (start - data_.cells.means[cell]).norm())
+                                    : noise_moves;
+        if (landing.found && (landing.x - start).norm() <= farthest)
+        {
+            result.points[i] = landing.x;
+            result.status[i] = landing.converged ? ProjectionStatus::converged : ProjectionStatus::not_converged;
+            const double norm = landing.normal.norm();
+            if (norm > 0 && std::isfinite(norm))
+                result.normals[i] = landing.normal / norm;
+            return;
+        }
+        const Vector to_plane = side * side.dot(data_.cell_normals.feet[cell] - start);
+        if (to_plane.norm() <= noise_moves && (!options_.foreign_points || has_anchor(start + to_plane, h)))
+        {
+            result.points[i] = start + to_plane;
+            result.status[i] = ProjectionStatus::fell_back;
+        }
+        else if (options_.foreign_points)
+            result.status[i] = ProjectionStatus::too_far;
+        else
+            result.status[i] = is_detail(start, landing.found ? Vector(landing.x - start) : to_plane, scale)
+                                   ? ProjectionStatus::kept
+                                   : ProjectionStatus::outlier;
+    }
+
+private:
+    /// Where Newton's method leads.
+    struct Landing
+    {
+        Point x;
+        Vector normal; ///< Not of unit length.
+        int steps = 0;
+        std::uint16_t neighbours = 0;
+        bool found = false, converged = false;
+    };
+
+    Landing land(const Point& start, int cell)
+    {
+        const LocalScale& scale = data_.cells.scales[cell];
+        const double h = scale.width;
+        const Vector side = data_.cell_normals.normals[cell];
         const double enough = std::max(options_.tolerance / std::sqrt(scale.density), least_step * h);
-        Point x = start;
-        Vector gradient = side, smooth_gradient = side;
+        Landing result;
+        result.x = start;
+        Point& x = result.x;
+        Vector gradient = side;
+        result.normal = side;
         double width = h;
-        int widened = 0, step_count = 0;
+        int widened = 0;
         // Once x lies about where most anchors agree, those that do not, as beyond a crease, lose weight; not before,
         // or a point in the tail of the noise would agree with the wrong ones. The normal told does not listen to
         // turns: at a tip few anchors could outvote the side.
         bool settled = false;
         const double agreeing = std::max(agreeing_sigmas * scale.sigma, agreeing_widths * h);
-        ProjectionStatus status = ProjectionStatus::not_converged;
         const GatheredAnchors* anchors = &around_run_;
         const Eigen::Vector3f facing = side.cast<float>();
-        while (step_count < options_.max_iterations)
+        while (result.steps < options_.max_iterations)
         {
             if (!anchors->suffice(x, width))
             {
@@ -241,8 +289,13 @@ public:
                 // Wider at first; a point that is farther still starts from the plane of its cell.
                 if (++widened <= widenings)
                     width *= 2;
+                else if (options_.foreign_points && !is_in_domain(start, cell))
+                    break;
                 else
+                {
                     x += side * side.dot(data_.cell_normals.feet[cell] - x);
+                    width = h;
+                }
                 continue;
             }
             const Vector g = Vector(sums.gradient[0], sums.gradient[1], sums.gradient[2]) / sums.weight;
@@ -252,38 +305,62 @@ public:
                 step *= h / length;
             x += step;
             gradient = g;
-            smooth_gradient = Vector::Map(sums.smooth_gradient);
-            ++step_count;
-            result.neighbours[i] = std::uint16_t(std::min(sums.count, 65535.0));
+            result.normal = Vector::Map(sums.smooth_gradient);
+            ++result.steps;
+            result.neighbours = std::uint16_t(std::min(sums.count, 65535.0));
             if (length <= enough && (settled || options_.max_iterations == 1))
             {
-                status = ProjectionStatus::converged;
+                result.converged = true;
                 break;
             }
             settled = length <= 0.5 * agreeing;
         }
-        result.iterations[i] = std::uint8_t(std::min(step_count, 255));
-
-        if (step_count == 0 || !x.allFinite() || (x - start).squaredNorm() > farthest * farthest)
-        {
-            const Vector to_plane = side * side.dot(data_.cell_normals.feet[cell] - start);
-            if (to_plane.norm() > farthest)
-            {
-                result.status[i] = ProjectionStatus::outlier;
-                return;
-            }
-            result.points[i] = start + to_plane;
-            result.status[i] = ProjectionStatus::fell_back;
-            return;
-        }
-        result.points[i] = x;
-        result.status[i] = status;
-        const double norm = smooth_gradient.norm();
-        if (norm > 0 && std::isfinite(norm))
-            result.normals[i] = smooth_gradient / norm;
+        result.found =
+            result.steps > 0 && x.allFinite() && (!options_.foreign_points || widened == 0 || has_anchor(x, h));
+        return result;
     }
 
-private:
+    /// Whether the surface at a place rests on anchors, and is not extrapolated.
+    bool has_anchor(const Point& p, double width) const
+    {
+        const double reach = narrowing * options_.cut_off * width;
+        return (data_.anchor_positions[std::size_t(data_.anchor_search.nearest(p))] - p).squaredNorm() <= reach * reach;
+    }
+
+    /// Whether a point lies nearer to its cell than the medial axis, beyond which other places are as near.
+    bool is_in_domain(const Point& p, int cell) const
+    {
+        const int pole = data_.pole_search.nearest(data_.cell_normals.feet[cell]);
+        if (pole < 0)
+            return true;
+        const double size = (data_.poles[std::size_t(pole)] - data_.cell_normals.feet[cell]).norm();
+        return (p - data_.cells.means[cell]).norm() <= domain * size;
+    }
+
+    /// Whether a sample that lies farther from the surface than noise explains is detail, as of a sharp edge, which the
+    /// surface rounds: nearer than samples tell, or samples around it lie off likewise. An outlier has its place alone.
+    bool is_detail(const Point& sample, const Vector& motion, const LocalScale& scale)
+    {
+        const double squared_motion = motion.squaredNorm();
+        if (squared_motion * scale.density < unresolved * unresolved)
+            return true;
+        int near[asked_neighbours + 1];
+        double squared[asked_neighbours + 1];
+        const int count = data_.point_search.nearest(sample, asked_neighbours + 1, near, squared);
+        int agreeing = 0;
+        for (int k = 0; k < count; ++k)
+        {
+            const int cell = data_.cells.cell_of_point[std::size_t(near[k])];
+            if (squared[k] == 0 || squared[k] * scale.density > neighbour_distance * neighbour_distance ||
+                data_.cell_normals.kinds[cell] == CellKind::outlier)
+                continue;
+            const Point& other = data_.points[std::size_t(near[k])];
+            const Landing landing = land(other, cell);
+            agreeing += landing.found && (landing.x - other).dot(motion) > agreeing_motion * squared_motion;
+        }
+        return agreeing >= agreeing_neighbours;
+    }
+
     const AmlsSurface::Data& data_;
     const AmlsProjectionOptions& options_;
     GatheredAnchors around_run_, around_point_;
@@ -374,8 +451,7 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
         [&](std::size_t i)
         {
             const std::size_t s = std::size_t(spatial.representative[i]);
-            result.points[i] =
-                sorted.status[s] == ProjectionStatus::outlier ? points[i] : data.frame.from_unit(sorted.points[s]);
+            result.points[i] = is_moved(sorted.status[s]) ? data.frame.from_unit(sorted.points[s]) : points[i];
             result.normals[i] = sorted.normals[s];
             result.status[i] = sorted.status[s];
             result.widths[i] = sorted.widths[s];

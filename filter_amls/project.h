@@ -30,8 +30,16 @@ enum class ProjectionStatus : std::uint8_t
     converged,
     fell_back,     ///< Newton's method left the neighbourhood; the point lies on the local plane instead.
     not_converged, ///< The last position within bounds.
-    outlier        ///< Not moved: no surface is near.
+    kept,          ///< Not moved: the surface rounds off a detail here, such as an edge, in which other samples agree.
+    too_far,       ///< Not moved: not one of the samples, and too far from them to tell to which place it belongs.
+    outlier        ///< Not moved: alone off the surface.
 };
+
+/// Whether a point with this status was moved.
+inline bool is_moved(ProjectionStatus status)
+{
+    return status <= ProjectionStatus::not_converged;
+}
 
 /// Projected points with what happened to each.
 struct AmlsProjection

@@ -156,7 +156,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         noise = with_given_noise(noise, options.noise / frame.scale());
 
     times.begin("width");
-    const BlockSearch search(data->points);
+    data->point_search = BlockSearch(data->points);
+    const BlockSearch& search = data->point_search;
     const LocalScales scales = choose_widths(data->points, search, noise, threads, progress.part(0.05, 0.15, "Width"));
     times.begin("cells");
     Cells& cells = data->cells;
@@ -244,6 +245,9 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     for (const Anchor& anchor : data->anchors)
         data->anchor_positions.push_back(anchor.position);
     data->anchor_search = BlockSearch(data->anchor_positions);
+    for (const int i : order_spatially(orientation.poles).order)
+        data->poles.push_back(orientation.poles[std::size_t(i)]);
+    data->pole_search = BlockSearch(data->poles);
     times.end();
 
     AmlsSurfaceReport& report = data->report;

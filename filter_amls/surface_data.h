@@ -19,6 +19,7 @@ struct AmlsSurface::Data
     UnitFrame frame;
     SpatialOrder spatial; ///< Of the input points.
     Points points;        ///< The distinct ones, in that order.
+    BlockSearch point_search;
     Cells cells;
     BlockSearch cell_search;  ///< Of the cells' means.
     CellNormals cell_normals; ///< Normals outward.
@@ -26,6 +27,8 @@ struct AmlsSurface::Data
     Points anchor_positions;
     BlockSearch anchor_search;
     std::vector<double> anchor_spacing; ///< Distance of neighbouring anchors, per anchor.
+    Points poles;                       ///< Of the landmarks.
+    BlockSearch pole_search;
     AmlsSurfaceReport report;
 
     /// Whether these are the points of which the surface was made, in the same order.

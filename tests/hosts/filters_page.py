@@ -54,6 +54,8 @@ VALUES = {
     "compute_mls_projection_amls": {
         **SURFACE, **OUTLIERS,
         "points_projected": "points moved",
+        "points_kept": "points not moved since the surface rounds off a detail, such as a sharp edge, in which samples agree",
+        "points_too_far": "points not moved since the surface of the other layer is too far",
         "points_not_converged": "points whose last step was longer than the tolerance",
         "points_on_local_plane": "points for which Newton's method left the neighbourhood; they were put onto the local plane",
         "mean_iterations": "steps per point", "mean_neighbours": "neighbours per point and step",

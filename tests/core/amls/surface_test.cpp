@@ -154,6 +154,38 @@ TEST(AmlsSurface, HardlyRoundsTheEdgesOfCleanBoxes)
     EXPECT_LT(rms(result.points, [&](const Point& p) { return shapes::distance_to_box(p, sides); }), 4.2e-4);
 }
 
+TEST(AmlsSurface, TellsEdgesFromOutliers)
+{
+    // Samples on the edges themselves, farther from the surface that rounds them than the noise that there is not.
+    constexpr int n = 24;
+    Points points;
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j)
+            for (int k = 0; k <= n; ++k)
+                if (std::min({i, j, k}) == 0 || std::max({i, j, k}) == n)
+                    points.emplace_back(i, j, k);
+    const std::size_t genuine = points.size();
+    for (const double off : {8.0, 10.0, 12.0})
+    {
+        points.emplace_back(n + off, 12.3, off);
+        points.emplace_back(off, -off, 11.1);
+    }
+    const AmlsProjection result = project_all(points);
+    EXPECT_GT(result.count(ProjectionStatus::kept), 0);
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        EXPECT_EQ(result.status[i] == ProjectionStatus::outlier, i >= genuine)
+            << points[i].transpose() << " status " << int(result.status[i]) << " w " << result.widths[i] << " "
+            << result.spacings[i] << " " << result.points[i].transpose();
+        EXPECT_TRUE(is_moved(result.status[i]) || result.points[i] == points[i]);
+    }
+    // The same is said of a point when not all are asked.
+    const Points half(points.begin() + std::ptrdiff_t(genuine / 2), points.end());
+    const AmlsProjection of_half = project_to_amls(half, build_amls_surface(points));
+    EXPECT_TRUE(
+        std::equal(of_half.status.begin(), of_half.status.end(), result.status.begin() + std::ptrdiff_t(genuine / 2)));
+}
+
 TEST(AmlsSurface, DoesNotDependOnThreadsBitForBit)
 {
     const Points points = shapes::with_noise(shapes::torus(5000, 1, 0.4, 15).points, 0.01, 16);
@@ -360,6 +392,41 @@ TEST(AmlsProjection, BringsFarPointsBack)
     const AmlsProjection result = project_to_amls(queries, surface, options);
     for (const Point& p : result.points)
         EXPECT_LT(shapes::distance_to_sphere(p, 1), 0.01);
+}
+
+TEST(AmlsProjection, LeavesPointsThatAreTooFar)
+{
+    // Half a torus, so that some of what is far lies beside the sheet and in its plane.
+    Points half;
+    for (const Point& p : shapes::torus(20000, 1, 0.4, 49).points)
+        if (p.x() > 0)
+            half.push_back(p);
+    const AmlsSurface surface = build_amls_surface(shapes::with_noise(half, 0.005, 50));
+    AmlsProjectionOptions options;
+    options.foreign_points = true;
+    for (const double far : {3.0, 30.0, 1e9})
+    {
+        Points queries;
+        for (const Point& p : shapes::sphere(500, 1, 51).points)
+            queries.push_back(far * p);
+        const AmlsProjection result = project_to_amls(queries, surface, options);
+        EXPECT_EQ(result.count(ProjectionStatus::too_far), 500) << far;
+        EXPECT_EQ(result.points, queries) << far;
+    }
+    // Nearer ones land on it, not on what would continue it.
+    Points queries;
+    for (const Point& p : shapes::sphere(2000, 1.6, 52).points)
+        queries.push_back(p);
+    const AmlsProjection result = project_to_amls(queries, surface, options);
+    int landed = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i)
+        if (result.status[i] == ProjectionStatus::converged)
+        {
+            ++landed;
+            EXPECT_LT(shapes::distance_to_torus(result.points[i], 1, 0.4), 0.02);
+            EXPECT_GT(result.points[i].x(), -0.3);
+        }
+    EXPECT_GT(landed, 200);
 }
 
 TEST(AmlsProjection, IsNearlyIdempotent)
