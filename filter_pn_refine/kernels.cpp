@@ -21,7 +21,7 @@ namespace recon::pn
 {
 
 #define PN_TABLE(name)                                                                                                 \
-    const Kernels table = {name,     gather_rows_of_leaf, refine_points_of_leaf, finish_children,                      \
+    const Kernels table = {name,     gather_rows_of_leaf, refine_points_of_leaf, finish_children, meeting_boxes,       \
                            make_fan, find_near_points}
 
 #define PN_INSTRUCTIONS 0
@@ -40,6 +40,8 @@ namespace portable
 #include "refine_kernel.h"
 
 #include "finish_kernel.h"
+
+#include "box_kernel.h"
 
 #include "entry_kernel.h"
 PN_TABLE("portable");
@@ -68,6 +70,8 @@ namespace v3
 
 #include "finish_kernel.h"
 
+#include "box_kernel.h"
+
 #include "entry_kernel.h"
 PN_TABLE("x86-64-v3");
 } // namespace v3
@@ -92,6 +96,8 @@ namespace v4
 #include "refine_kernel.h"
 
 #include "finish_kernel.h"
+
+#include "box_kernel.h"
 
 #include "entry_kernel.h"
 PN_TABLE("x86-64-v4");

@@ -112,63 +112,79 @@ void make_children(const Level& level, const Growth& growth, const UnitFrame& fr
     }
 }
 
-struct Node
-{
-    Box box;
-    double radius = 0;
-};
-
-/// Boxes of pairs, pairs of pairs and so on, over a sequence of leaves.
+/// Boxes grown by radii: of leaves, of every eight of them, of every eight of those and so on, eight side by side in
+/// memory, which compilers turn into vectors.
 class Pyramid
 {
 public:
     explicit Pyramid(const std::vector<Leaf>& leaves)
     {
-        rows_.emplace_back();
+        std::vector<Node> nodes;
+        nodes.reserve(leaves.size());
         for (const Leaf& leaf : leaves)
             // The slack hides the rounding of single precision.
-            rows_[0].push_back({leaf.box, leaf.largest_radius * (1 + 1e-4) + 1e-5 * leaf.box.diagonal()});
-        while (rows_.back().size() > 1)
+            nodes.push_back({leaf.box, leaf.largest_radius * (1 + 1e-4) + 1e-5 * leaf.box.diagonal()});
+        while (true)
         {
-            const std::vector<Node>& below = rows_.back();
-            std::vector<Node> row((below.size() + 1) / 2);
-            for (std::size_t i = 0; i < below.size(); ++i)
+            rows_.emplace_back((nodes.size() + width - 1) / width);
+            std::vector<Node> above(rows_.back().size());
+            for (std::size_t i = 0; i < nodes.size(); ++i)
             {
-                Node& n = row[i / 2];
-                n.box.minimum = n.box.minimum.cwiseMin(below[i].box.minimum);
-                n.box.maximum = n.box.maximum.cwiseMax(below[i].box.maximum);
-                n.radius = std::max(n.radius, below[i].radius);
+                BoxBlock& block = rows_.back()[i / width];
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                {
+                    block.minimum[axis][i % width] = nodes[i].box.minimum[Eigen::Index(axis)];
+                    block.maximum[axis][i % width] = nodes[i].box.maximum[Eigen::Index(axis)];
+                }
+                block.radius[i % width] = nodes[i].radius;
+                Node& n = above[i / width];
+                n.box.minimum = n.box.minimum.cwiseMin(nodes[i].box.minimum);
+                n.box.maximum = n.box.maximum.cwiseMax(nodes[i].box.maximum);
+                n.radius = std::max(n.radius, nodes[i].radius);
             }
-            rows_.push_back(std::move(row));
+            if (above.size() <= 1)
+                return;
+            nodes.swap(above);
         }
     }
 
     /// Leaves within reach of leaf `self`, ascending.
     void meet(int self, std::vector<int>& found) const
     {
-        const Node& own = rows_[0][std::size_t(self)];
-        descend(int(rows_.size()) - 1, 0, self, own, found);
+        const BoxBlock& block = rows_[0][std::size_t(self) / width];
+        Node own;
+        const std::size_t lane = std::size_t(self) % width;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+        {
+            own.box.minimum[Eigen::Index(axis)] = block.minimum[axis][lane];
+            own.box.maximum[Eigen::Index(axis)] = block.maximum[axis][lane];
+        }
+        own.radius = block.radius[lane];
+        descend(rows_.size() - 1, 0, self, own, found);
     }
 
 private:
-    void descend(int row, int i, int self, const Node& own, std::vector<int>& found) const
+    static constexpr std::size_t width = BoxBlock::width;
+    struct Node
     {
-        const Node& node = rows_[std::size_t(row)][std::size_t(i)];
-        const double reach = own.radius + node.radius;
-        if (squared_distance(own.box, node.box) > reach * reach)
-            return;
-        if (row == 0)
-        {
-            if (i != self)
-                found.push_back(i);
-            return;
-        }
-        descend(row - 1, 2 * i, self, own, found);
-        if (2 * i + 1 < int(rows_[std::size_t(row) - 1].size()))
-            descend(row - 1, 2 * i + 1, self, own, found);
+        Box box;
+        double radius = 0;
+    };
+
+    void descend(std::size_t row, std::size_t i, int self, const Node& own, std::vector<int>& found) const
+    {
+        unsigned met =
+            kernels().meeting_boxes(rows_[row][i], own.box.minimum.data(), own.box.maximum.data(), own.radius);
+        for (std::size_t at = width * i; met != 0; ++at, met >>= 1)
+            if (!(met & 1))
+                continue;
+            else if (row > 0)
+                descend(row - 1, at, self, own, found);
+            else if (int(at) != self)
+                found.push_back(int(at));
     }
 
-    std::vector<std::vector<Node>> rows_;
+    std::vector<std::vector<BoxBlock>> rows_;
 };
 
 } // namespace
@@ -217,7 +233,7 @@ Level grow_level(const Level& level, const Growth& growth, const UnitFrame& fram
     {
         const Leaf& leaf = level.leaves[i];
         const int begin = leaf.begin + growth.first[i], middle = begin + leaf.size(),
-                  end = middle + growth.children[i].count();
+                  end = begin + leaf.size() + growth.first[i + 1] - growth.first[i];
         for (int j = leaf.begin; j < leaf.end; ++j)
         {
             WorkPoint& p = next.points[std::size_t(begin + j - leaf.begin)];
@@ -256,7 +272,7 @@ void append_children(const Level& level, const Growth& growth, const UnitFrame& 
                         std::vector<WorkPoint> made;
                         for (std::size_t i = begin; i < end; ++i)
                         {
-                            const auto count = std::size_t(growth.children[i].count());
+                            const auto count = std::size_t(growth.first[i + 1] - growth.first[i]);
                             if (made.size() < count)
                                 made.resize(count);
                             make_children(level, growth, frame, appended, i, made.data());
@@ -309,11 +325,12 @@ LeafGraph connect_leaves(const Level& level, int threads, const Progress& progre
     return graph;
 }
 
-std::vector<int> places_of_ids(const Level& level, int ids)
+std::vector<int> places_of_ids(const Level& level, int ids, int threads)
 {
     std::vector<int> places(std::size_t(ids), -1);
-    for (std::size_t i = 0; i < level.points.size(); ++i)
-        places[std::size_t(level.points[i].id)] = int(i);
+    parallel_for(
+        level.points.size(), threads, {}, [&](std::size_t i) { places[std::size_t(level.points[i].id)] = int(i); },
+        8192);
     return places;
 }
 

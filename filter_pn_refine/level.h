@@ -160,7 +160,7 @@ LeafGraph connect_leaves(const Level& level, int threads, const Progress& progre
 double squared_distance(const Box& a, const Box& b);
 
 /// Position in level.points of each id below `ids`, -1 for none.
-std::vector<int> places_of_ids(const Level& level, int ids);
+std::vector<int> places_of_ids(const Level& level, int ids, int threads);
 
 /// Leaf that holds the point at this place.
 int leaf_of_place(const Level& level, int place);

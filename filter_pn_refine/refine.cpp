@@ -30,6 +30,7 @@ namespace
 using namespace pn;
 
 constexpr double radians = 0.017453292519943295;
+constexpr std::size_t picked_radii = 16384; ///< For the median.
 
 void check_options(const OrientedSamples& samples, const PnRefineOptions& options, const PnRefineHints& hints)
 {
@@ -108,23 +109,25 @@ std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans&
     return radii;
 }
 
-/// Extremes of radii, and some of them.
+/// Extremes of radii, and every so many-th of them.
 struct RadiusSummary
 {
-    float smallest = std::numeric_limits<float>::infinity(), largest = 0;
-    std::vector<float> picked;
-    std::size_t count = 0;
+    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+    std::vector<double> picked;
 
-    void take(const float* radii, std::size_t n, std::size_t each)
+    template <class Radius>
+    void take(const Radius* radii, std::size_t n, std::size_t each, double unit)
     {
-        for (std::size_t k = 0; k < n; ++k)
+        Radius least = radii[0], most = radii[0];
+        for (std::size_t k = 1; k < n; ++k)
         {
-            smallest = std::min(smallest, radii[k]);
-            largest = std::max(largest, radii[k]);
+            least = radii[k] < least ? radii[k] : least;
+            most = radii[k] > most ? radii[k] : most;
         }
-        for (std::size_t k = (each - count % each) % each; k < n; k += each)
-            picked.push_back(radii[k]);
-        count += n;
+        smallest = std::min(smallest, double(least) * unit);
+        largest = std::max(largest, double(most) * unit);
+        for (std::size_t k = 0; k < n; k += each)
+            picked.push_back(double(radii[k]) * unit);
     }
     void add(const RadiusSummary& other)
     {
@@ -355,7 +358,8 @@ private:
         const bool is_odd = result_.steps.size() % 2 == 0;
         std::vector<InsertedThirds> thirds;
         if (is_odd)
-            thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), children, on_segments);
+            thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), threads_, children,
+                                   on_segments);
         const RefineStep step{level_,
                               graph,
                               choose_precision(options_),
@@ -398,11 +402,12 @@ private:
                 result_.parents.resize(old + std::size_t(made));
             },
             [&] { result_.radii.resize(old + std::size_t(made)); });
-        describe_step(before + made, children, next_radius, std::accumulate(open_gaps.begin(), open_gaps.end(), 0));
         Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale(), {}};
         if (!options_.fast && usable_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
             { move_onto_sample_surface(*usable_, slack_, level_.points, corners, made); };
+        const std::size_t each = std::size_t(before + made) / picked_radii + 1;
+        RadiusSummary radii;
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};
         const Progress growing = progress.part(0.9, 1, progress_name_);
@@ -410,44 +415,33 @@ private:
         {
             append_children(level_, growth, frame_, appended, threads_, growing);
             collect_radii([&](std::size_t i) { return next_radius[i]; });
+            summarise(next_radius.data(), next_radius.size(), each, frame_.scale(), radii);
+            summarise(appended.radii, std::size_t(made), each, 1, radii);
         }
         else
+        {
             level_ = grow_level(level_, growth, frame_, appended, threads_, growing);
+            summarise(level_.rows[6].get(), level_.points.size(), each, frame_.scale(), radii);
+        }
+        const auto middle = radii.picked.begin() + std::ptrdiff_t(radii.picked.size() / 2);
+        std::nth_element(radii.picked.begin(), middle, radii.picked.end());
+        result_.steps.push_back({before + made, radii.smallest, radii.largest, *middle,
+                                 std::accumulate(open_gaps.begin(), open_gaps.end(), 0)});
         usable_.reset(); // what follows lies between points that are dense enough
         times.end();
         return made > 0;
     }
 
-    void describe_step(int points, const std::vector<LeafChildren>& children, const std::vector<float>& next_radius,
-                       int open_gaps)
+    template <class Radius>
+    void summarise(const Radius* radii, std::size_t n, std::size_t each, double unit, RadiusSummary& all) const
     {
-        PnStepStatistics s;
-        s.points = points;
-        s.open_gaps = open_gaps;
-        const std::size_t each = std::size_t(points) / 65536 + 1; // the median needs no more than every so many-th
-        constexpr std::size_t grain = 1024;
-        std::vector<RadiusSummary> parts(
-            std::max((next_radius.size() + grain - 1) / grain, (children.size() + grain - 1) / grain));
-        parallel_chunks(next_radius.size(), threads_, grain, {},
+        constexpr std::size_t grain = 65536;
+        std::vector<RadiusSummary> parts((n + grain - 1) / grain);
+        parallel_chunks(n, threads_, grain, {},
                         [&](std::size_t begin, std::size_t end)
-                        { parts[begin / grain].take(next_radius.data() + begin, end - begin, each); });
-        parallel_chunks(children.size(), threads_, grain, {},
-                        [&](std::size_t begin, std::size_t end)
-                        {
-                            for (std::size_t i = begin; i < end; ++i)
-                                parts[begin / grain].take(children[i].rows().radius, std::size_t(children[i].count()),
-                                                          each);
-                        });
-        RadiusSummary all;
+                        { parts[begin / grain].take(radii + begin, end - begin, each, unit); });
         for (const RadiusSummary& part : parts)
             all.add(part);
-        std::vector<float>& picked = all.picked;
-        const auto middle = picked.begin() + std::ptrdiff_t(picked.size() / 2);
-        std::nth_element(picked.begin(), middle, picked.end());
-        s.smallest_radius = all.smallest * frame_.scale();
-        s.median_radius = *middle * frame_.scale();
-        s.largest_radius = all.largest * frame_.scale();
-        result_.steps.push_back(s);
     }
 
     /// Radii of the points of the level go into the result.

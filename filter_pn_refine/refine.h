@@ -51,7 +51,7 @@ struct PnStepStatistics
 {
     int points = 0;                                 ///< In all after it.
     double smallest_radius = 0, largest_radius = 0; ///< [length]
-    double median_radius = 0;                       ///< Of 65,536 of them at most [length].
+    double median_radius = 0;                       ///< Of some 16,384 of them [length].
     int open_gaps = 0;                              ///< Points whose new neighbourhood stayed open: rims, holes.
 };
 

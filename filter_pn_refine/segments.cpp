@@ -220,12 +220,13 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
 }
 
 std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
-                                          std::vector<LeafChildren>& children, std::vector<WorkPoint>& made)
+                                          int threads, std::vector<LeafChildren>& children,
+                                          std::vector<WorkPoint>& made)
 {
     std::vector<InsertedThirds> inserted(segments.size());
     if (segments.empty())
         return inserted;
-    const std::vector<int> places = places_of_ids(level, ids);
+    const std::vector<int> places = places_of_ids(level, ids, threads);
     for (std::size_t s = 0; s < segments.size(); ++s)
     {
         const Segment& segment = segments[s];

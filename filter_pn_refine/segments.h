@@ -33,7 +33,8 @@ struct InsertedThirds
 /// Inserts two points (on creases two pairs) on each segment whose ends are still refined, at the thirds of its cubic
 /// curve, as children of the leaves that hold its ends.
 std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
-                                          std::vector<LeafChildren>& children, std::vector<WorkPoint>& made);
+                                          int threads, std::vector<LeafChildren>& children,
+                                          std::vector<WorkPoint>& made);
 
 /// Replaces every segment that has been divided by its three parts. The child k of leaf i has the id
 /// first_id + first[i] + k.
