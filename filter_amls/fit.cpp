@@ -1,7 +1,6 @@
 #include "fit.h"
 
 #include "bend_correction.h"
-#include "robust_scale.h"
 #include "runs.h"
 #include "weighted_sums.h"
 
@@ -19,7 +18,6 @@ namespace
 constexpr double least_cosine = 0.35; // of the directions of samples that count with the normal to begin with
 /// Rounds of fitting. Where few good points decide, weights need rounds to find them; else more only add variance.
 constexpr int few_rounds = 2, many_rounds = 4, narrow_rounds = 2;
-constexpr double picky = 1.8;        // sigmas: a robust scale below it lets few points decide
 constexpr double least_points = 12;  // effective points of a fit worth comparing
 constexpr double largest_turn = 0.5; // cosine
 constexpr double largest_move = 0.4; // widths
@@ -83,7 +81,7 @@ public:
         around_.gather_facing(around_run_, position, fit_cut * width, direction, least_cosine);
         QuadricWeights how{width, fit_cut};
         how.robust_scale = robust_scale_ * start.sigma;
-        const int rounds = robust_scale_ < picky ? many_rounds : few_rounds;
+        const int rounds = robust_scale_ < picky_scale ? many_rounds : few_rounds;
         QuadricFit fit = fit_quadric(around_, position, TangentFrame(direction), how);
         const double plane_confidence = std::min(fit.effective, enough_points);
         if (!fit.valid)
@@ -149,10 +147,9 @@ void place_anchor(Anchor& anchor, const Point& position, const Vector& normal, c
     anchor.bending = bending_of(fit, width, frame);
 }
 
-std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, int threads,
-                                const Progress& progress)
+std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, double robust_scale,
+                                int threads, const Progress& progress)
 {
-    const double robust_scale = choose_robust_scale(samples, starts, threads);
     std::vector<Anchor> result(starts.size());
     std::vector<TwoWidths> fits(starts.size());
     Points feet;

@@ -42,11 +42,15 @@ struct FitStart
     double sigma;  ///< Standard deviation of the noise [length].
 };
 
+/// Robust scales below it let few points decide [sigma].
+constexpr double picky_scale = 1.8;
+
 /// Fits a quadric to the samples around each anchor, again and again, each time robustly about the one before (recipe
 /// step 7), and corrects it where the surface bends. Where that fails, turns by more than 60 degrees or moves too far,
 /// the anchor stays the plane it began with.
-std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, int threads,
-                                const Progress& progress = {});
+/// \param robust_scale how far residuals may be off before they lose weight [sigma], see choose_robust_scale().
+std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, double robust_scale,
+                                int threads, const Progress& progress = {});
 
 /// Sets place, normal and bending from a fit over `width` in the frame of `normal` at `position`.
 void place_anchor(Anchor& anchor, const Point& position, const Vector& normal, const QuadricFit& fit, double width);

@@ -1,5 +1,6 @@
 #include "project.h"
 
+#include "residual_field.h"
 #include "runs.h"
 #include "simd.h"
 #include "surface_data.h"
@@ -366,11 +367,56 @@ private:
     GatheredAnchors around_run_, around_point_;
 };
 
+/// Whether the result is that of the options' defaults.
+bool are_defaults(const AmlsProjectionOptions& options)
+{
+    const AmlsProjectionOptions defaults;
+    return options.max_iterations == defaults.max_iterations && options.tolerance == defaults.tolerance &&
+           options.cut_off == defaults.cut_off && options.foreign_points == defaults.foreign_points &&
+           options.sharp == defaults.sharp;
+}
+
+void resize(AmlsProjection& p, std::size_t size)
+{
+    p.points.resize(size);
+    p.normals.resize(size);
+    p.status.resize(size);
+    p.widths.resize(size);
+    p.spacings.resize(size);
+    p.iterations.resize(size);
+    p.neighbours.resize(size);
+}
+
 } // namespace
 
 int AmlsProjection::count(ProjectionStatus wanted) const
 {
     return int(std::count(status.begin(), status.end(), wanted));
+}
+
+AmlsProjection project_in_frame(const AmlsSurface::Data& data, const Points& unit, const std::vector<int>& cell,
+                                const AmlsProjectionOptions& options, int threads, const Progress& progress)
+{
+    AmlsProjection sorted;
+    resize(sorted, unit.size());
+    const std::vector<Run> runs =
+        split_into_runs(unit, longest_run, [&](int i) { return run_radius * data.cells.scales[cell[i]].width; });
+    parallel_chunks(runs.size(), threads, 64, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        Projector projector(data, options);
+                        for (std::size_t r = begin; r < end; ++r)
+                        {
+                            const Run& run = runs[r];
+                            double width = 0;
+                            for (int i = run.begin; i < run.end; ++i)
+                                width = std::max(width, data.cells.scales[cell[i]].width);
+                            projector.prepare(run.centre, run.radius, width);
+                            for (int i = run.begin; i < run.end; ++i)
+                                projector.project(unit[i], cell[i], sorted, std::size_t(i));
+                        }
+                    });
+    return sorted;
 }
 
 AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface, const AmlsProjectionOptions& options,
@@ -414,35 +460,11 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
     }
     const Points& unit = own ? data.points : moved;
     const std::vector<int>& cell = own ? data.cells.cell_of_point : nearest_cell;
-    AmlsProjection sorted;
-    const auto resize = [](AmlsProjection& p, std::size_t size)
-    {
-        p.points.resize(size);
-        p.normals.resize(size);
-        p.status.resize(size);
-        p.widths.resize(size);
-        p.spacings.resize(size);
-        p.iterations.resize(size);
-        p.neighbours.resize(size);
-    };
-    resize(sorted, m);
-    const std::vector<Run> runs =
-        split_into_runs(unit, longest_run, [&](int i) { return run_radius * data.cells.scales[cell[i]].width; });
-    parallel_chunks(runs.size(), threads, 64, progress.part(0.2, 1, "Projection"),
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        Projector projector(data, options);
-                        for (std::size_t r = begin; r < end; ++r)
-                        {
-                            const Run& run = runs[r];
-                            double width = 0;
-                            for (int i = run.begin; i < run.end; ++i)
-                                width = std::max(width, data.cells.scales[cell[i]].width);
-                            projector.prepare(run.centre, run.radius, width);
-                            for (int i = run.begin; i < run.end; ++i)
-                                projector.project(unit[i], cell[i], sorted, std::size_t(i));
-                        }
-                    });
+    AmlsProjection sorted =
+        own && !data.projected.points.empty() && are_defaults(options)
+            ? data.projected
+            : project_in_frame(data, unit, cell, options, threads, progress.part(0.2, 0.9, "Projection"));
+    correct_by_residuals(data, cell, sorted, threads, progress.part(0.9, 1, "Projection"));
 
     AmlsProjection result;
     resize(result, n);

@@ -3,6 +3,7 @@
 #include "anchors.h"
 #include "feature_size.h"
 #include "orient.h"
+#include "robust_scale.h"
 #include "surface_data.h"
 
 #include <recon/block_search.h>
@@ -241,13 +242,21 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
             samples.normals[i] = normals.normals[c];
         },
         4096);
-    data->anchors = fit_anchors(samples, starts, threads, progress.part(0.85, 1, "Fit"));
+    const double robust_scale = choose_robust_scale(samples, starts, threads);
+    data->anchors = fit_anchors(samples, starts, robust_scale, threads, progress.part(0.85, 0.95, "Fit"));
     for (const Anchor& anchor : data->anchors)
         data->anchor_positions.push_back(anchor.position);
     data->anchor_search = BlockSearch(data->anchor_positions);
     for (const int i : order_spatially(orientation.poles).order)
         data->poles.push_back(orientation.poles[std::size_t(i)]);
     data->pole_search = BlockSearch(data->poles);
+    if (robust_scale < picky_scale)
+    {
+        times.begin("residuals");
+        data->projected = project_in_frame(*data, data->points, cells.cell_of_point, {}, threads,
+                                           progress.part(0.95, 1, "Residuals"));
+        data->residuals = measure_residuals(*data, data->projected, threads);
+    }
     times.end();
 
     AmlsSurfaceReport& report = data->report;

@@ -2,6 +2,7 @@
 
 #include "cells.h"
 #include "fit.h"
+#include "residual_field.h"
 #include "surface.h"
 
 #include <recon/block_search.h>
@@ -29,6 +30,8 @@ struct AmlsSurface::Data
     std::vector<double> anchor_spacing; ///< Distance of neighbouring anchors, per anchor.
     Points poles;                       ///< Of the landmarks.
     BlockSearch pole_search;
+    ResidualField residuals;
+    AmlsProjection projected; ///< The points, by default options and before residuals; empty if these were not asked.
     AmlsSurfaceReport report;
 
     /// Whether these are the points of which the surface was made, in the same order.

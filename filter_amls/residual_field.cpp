@@ -1,0 +1,320 @@
+#include "residual_field.h"
+
+#include "runs.h"
+#include "simd.h"
+#include "surface_data.h"
+#include "weighted_sums.h"
+
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace recon
+{
+namespace
+{
+
+constexpr double window = 0.4, window_cut = 2; // widths; windows
+constexpr double least_cosine = 0.7;           // of the normals of samples that tell the error of a place with its own
+constexpr double largest_error = 0.7;          // sigmas
+constexpr std::array<double, 3> robust_scales = {0.07, 0.1, 0.2};  // sigmas: the candidates
+constexpr std::array<double, 4> narrowing_rounds = {2, 1.4, 1, 1}; // robust scales
+/// Two halves of the samples agree less than all of them tell, so that half of what is told need not be confirmed.
+constexpr double confirmed_share = 0.4;
+constexpr int points_per_trial = 25, fewest_trials = 1000, most_trials = 4000;
+constexpr int pooled_trials = 40, global_trials = 20; // trials around that share their verdict, and the weight of all
+constexpr double run_radius = 0.35;                   // widths
+constexpr int longest_run = 64;
+
+using Lanes = simd::FloatLanes;
+
+/// Weights exp(-d^2 / window^2) of samples about a place, those that face elsewhere and those beyond the cut 0.
+RECON_VECTOR_CLONES
+void weigh(const Gathered& around, const float* place, const float* normal, float inverse_window, float* weights)
+{
+    const Lanes zero = {};
+    const float cut = float(window_cut * window_cut);
+    for (int i = 0; i < around.size; i += simd::lane_count)
+    {
+        const Lanes x = simd::load(&around.x[std::size_t(i)]) - place[0],
+                    y = simd::load(&around.y[std::size_t(i)]) - place[1],
+                    z = simd::load(&around.z[std::size_t(i)]) - place[2];
+        const Lanes facing = simd::load(&around.nx[std::size_t(i)]) * normal[0] +
+                             simd::load(&around.ny[std::size_t(i)]) * normal[1] +
+                             simd::load(&around.nz[std::size_t(i)]) * normal[2];
+        const Lanes e = (x * x + y * y + z * z) * (inverse_window * inverse_window);
+        Lanes w = e <= cut ? simd::exp_negative(e) : zero;
+        w = facing > float(least_cosine) ? w : zero;
+        std::memcpy(weights + i, &w, sizeof w);
+    }
+}
+
+/// Sums of theta r and theta, theta = w (1 + ((r - centre) / 2 s)^2)^-2.
+RECON_VECTOR_CLONES
+void sum_robust(const float* weights, const float* residuals, int n, float centre, float inverse_scale, double* sums)
+{
+    Lanes total = {}, mass = {};
+    for (int i = 0; i < n; i += simd::lane_count)
+    {
+        const Lanes r = simd::load(residuals + i), off = (r - centre) * inverse_scale;
+        const Lanes near = 1.0f / (1.0f + off * off);
+        const Lanes w = simd::load(weights + i) * near * near;
+        total += w * r;
+        mass += w;
+    }
+    sums[0] = simd::sum(total);
+    sums[1] = simd::sum(mass);
+}
+
+/// A number that shows no pattern of its argument (the finaliser of SplitMix64).
+std::uint64_t scramble(std::uint64_t x)
+{
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+/// What samples say that the surface errs at a place.
+class ErrorTeller
+{
+public:
+    explicit ErrorTeller(const ResidualField& field) : field_(field) {}
+
+    /// Makes the samples around a ball of places ready.
+    void prepare(const Point& centre, double radius)
+    {
+        field_.search.within(centre, radius, found_);
+        around_.gather(field_.places, {}, found_, centre);
+        around_.gather_directions(field_.normals, found_);
+        weights_.resize(around_.x.size());
+        origin_ = centre;
+    }
+
+    /// Chooses those about a place.
+    void look_at(const Point& place, const Vector& normal, double width)
+    {
+        const Eigen::Vector3f local = (place - origin_).cast<float>(), n = normal.cast<float>();
+        weigh(around_, local.data(), n.data(), float(1 / (window * width)), weights_.data());
+        for (Samples* samples : {&all_, &half_[0], &half_[1]})
+            samples->clear();
+        for (int k = 0; k < around_.size; ++k)
+            if (weights_[std::size_t(k)] > 0)
+                all_.add(weights_[std::size_t(k)], field_.residuals[std::size_t(found_[std::size_t(k)])]);
+        all_.pad();
+    }
+
+    /// Divides them, at random: neighbours in spatial order are off alike, so that taking turns the halves would agree
+    /// on noise.
+    void divide()
+    {
+        for (int k = 0; k < around_.size; ++k)
+            if (weights_[std::size_t(k)] > 0)
+            {
+                const std::size_t i = std::size_t(found_[std::size_t(k)]);
+                half_[scramble(i) & 1].add(weights_[std::size_t(k)], field_.residuals[i]);
+            }
+        half_[0].pad();
+        half_[1].pad();
+    }
+
+    double error_by_all(double sigma, double scale) const { return error(all_, sigma, scale); }
+    double error_by_half(int half, double sigma, double scale) const
+    {
+        return error(half_[std::size_t(half)], sigma, scale);
+    }
+
+private:
+    struct Samples
+    {
+        std::vector<float> weights, residuals;
+        int size = 0;
+
+        void clear()
+        {
+            weights.clear();
+            residuals.clear();
+            size = 0;
+        }
+        void add(float weight, float residual)
+        {
+            weights.push_back(weight);
+            residuals.push_back(residual);
+            ++size;
+        }
+        void pad()
+        {
+            weights.resize(std::size_t(simd::padded(size)), 0);
+            residuals.resize(weights.size(), 0);
+        }
+    };
+
+    static double error(const Samples& samples, double sigma, double scale)
+    {
+        double centre = 0;
+        for (const double factor : narrowing_rounds)
+        {
+            double sums[2];
+            sum_robust(samples.weights.data(), samples.residuals.data(), samples.size, float(centre),
+                       float(1 / (2 * factor * scale * sigma)), sums);
+            if (!(sums[1] > 0))
+                return 0;
+            centre = sums[0] / sums[1];
+        }
+        return std::clamp(centre, -largest_error * sigma, largest_error * sigma);
+    }
+
+    const ResidualField& field_;
+    std::vector<int> found_;
+    Gathered around_;
+    std::vector<float> weights_;
+    Samples all_, half_[2];
+    Point origin_ = Point::Zero();
+};
+
+/// Errors at a place: the product of what two halves say, whose mean is the square of the true error, and the square of
+/// what all say, per candidate of the robust scale [sigma^2].
+struct Trial
+{
+    std::array<double, robust_scales.size()> agreed{}, told{};
+};
+
+double believed_share(double agreed, double told)
+{
+    return told > 0 ? std::clamp(agreed / (confirmed_share * told), 0.0, 1.0) : 0;
+}
+
+} // namespace
+
+ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads)
+{
+    ResidualField field;
+    std::vector<int> sample; // of each place
+    for (std::size_t i = 0; i < projected.points.size(); ++i)
+        if (is_moved(projected.status[i]))
+        {
+            sample.push_back(int(i));
+            field.places.push_back(projected.points[i]);
+            field.normals.push_back(projected.normals[i]);
+            field.residuals.push_back(float((data.points[i] - projected.points[i]).dot(projected.normals[i])));
+        }
+    field.search = BlockSearch(field.places);
+
+    const std::size_t n = field.places.size();
+    const std::size_t wanted = std::clamp<std::size_t>(n / points_per_trial, fewest_trials, most_trials);
+    const std::size_t stride = std::max<std::size_t>(1, n / wanted), count = (n + stride - 1) / stride;
+    std::vector<Trial> trials(count);
+    Points tried(count);
+    parallel_chunks(count, threads, 16, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        ErrorTeller teller(field);
+                        for (std::size_t t = begin; t < end; ++t)
+                        {
+                            const std::size_t i = t * stride;
+                            const LocalScale& scale =
+                                data.cells.scales[std::size_t(data.cells.cell_of_point[std::size_t(sample[i])])];
+                            tried[t] = field.places[i];
+                            teller.prepare(tried[t], window_cut * window * scale.width);
+                            teller.look_at(tried[t], field.normals[i], scale.width);
+                            teller.divide();
+                            for (std::size_t k = 0; k < robust_scales.size(); ++k)
+                            {
+                                const auto by_half = [&](int half)
+                                { return teller.error_by_half(half, scale.sigma, robust_scales[k]) / scale.sigma; };
+                                const double all = teller.error_by_all(scale.sigma, robust_scales[k]) / scale.sigma;
+                                trials[t].agreed[k] = by_half(0) * by_half(1);
+                                trials[t].told[k] = all * all;
+                            }
+                        }
+                    });
+    std::size_t best = 0;
+    double best_gain = 0, agreed = 0, told = 0;
+    for (std::size_t k = 0; k < robust_scales.size(); ++k)
+    {
+        double a = 0, b = 0;
+        for (const Trial& trial : trials)
+        {
+            a += trial.agreed[k] / double(count);
+            b += trial.told[k] / double(count);
+        }
+        const double gain = a > 0 ? a * a / b : 0;
+        if (k == 0 || gain > best_gain)
+        {
+            best = k;
+            best_gain = gain;
+            agreed = a;
+            told = b;
+        }
+    }
+    field.robust_scale = robust_scales[best];
+
+    const BlockSearch trial_search(tried);
+    std::vector<float> share_of_trial(count);
+    parallel_for(
+        count, threads, {},
+        [&](std::size_t t)
+        {
+            int near[pooled_trials];
+            double squared[pooled_trials];
+            const int found = trial_search.nearest(tried[t], pooled_trials, near, squared);
+            double a = global_trials * agreed, b = global_trials * told;
+            for (int k = 0; k < found; ++k)
+            {
+                a += trials[std::size_t(near[k])].agreed[best];
+                b += trials[std::size_t(near[k])].told[best];
+            }
+            share_of_trial[t] = float(believed_share(a, b));
+        },
+        64);
+    if (std::all_of(share_of_trial.begin(), share_of_trial.end(), [](float share) { return share == 0; }))
+        return {};
+    field.shares.resize(std::size_t(data.cells.size()));
+    parallel_for(
+        field.shares.size(), threads, {},
+        [&](std::size_t c)
+        { field.shares[c] = share_of_trial[std::size_t(trial_search.nearest(data.cells.means[c]))]; },
+        1024);
+    return field;
+}
+
+void correct_by_residuals(const AmlsSurface::Data& data, const std::vector<int>& cells, AmlsProjection& projected,
+                          int threads, const Progress& progress)
+{
+    const ResidualField& field = data.residuals;
+    if (field.empty())
+        return;
+    const std::vector<Run> runs = split_into_runs(
+        projected.points, longest_run,
+        [&](int i) { return run_radius * data.cells.scales[std::size_t(cells[std::size_t(i)])].width; });
+    parallel_chunks(runs.size(), threads, 64, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        ErrorTeller teller(field);
+                        for (std::size_t r = begin; r < end; ++r)
+                        {
+                            const Run& run = runs[r];
+                            double width = 0;
+                            for (int i = run.begin; i < run.end; ++i)
+                                if (field.shares[cells[i]] > 0)
+                                    width = std::max(width, data.cells.scales[cells[i]].width);
+                            if (width == 0)
+                                continue;
+                            teller.prepare(run.centre, run.radius + window_cut * window * width);
+                            for (int i = run.begin; i < run.end; ++i)
+                            {
+                                const float share = field.shares[cells[i]];
+                                if (share == 0 || !is_moved(projected.status[i]))
+                                    continue;
+                                const LocalScale& scale = data.cells.scales[cells[i]];
+                                teller.look_at(projected.points[i], projected.normals[i], scale.width);
+                                projected.points[i] +=
+                                    share * teller.error_by_all(scale.sigma, field.robust_scale) * projected.normals[i];
+                            }
+                        }
+                    });
+}
+
+} // namespace recon

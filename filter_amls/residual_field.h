@@ -1,0 +1,37 @@
+#pragma once
+
+#include "project.h"
+
+#include <recon/block_search.h>
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// How far the samples lie from the surface, at their places on it. Where some samples are much better than others, as
+/// one scan of several, those around a place agree on what the surface errs there: its fits, over a wider
+/// neighbourhood, have averaged over that.
+struct ResidualField
+{
+    Points places;
+    Vectors normals;              ///< Unit length, outward.
+    std::vector<float> residuals; ///< Along the normals.
+    BlockSearch search;           ///< Of the places.
+    double robust_scale = 0;      ///< Residuals that are off by more than twice this lose weight [sigma].
+    std::vector<float> shares;    ///< Of the error that is told, how much is true, per cell [0..1].
+
+    bool empty() const { return places.empty(); }
+};
+
+/// Empty where residuals tell nothing: two halves of the samples do not agree on the error.
+/// \param projected the samples on the surface, all in the unit frame.
+ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads);
+
+/// Moves the points that were moved by what the surface errs there. \param cells of the points.
+void correct_by_residuals(const AmlsSurface::Data& data, const std::vector<int>& cells, AmlsProjection& projected,
+                          int threads, const Progress& progress = {});
+
+} // namespace recon

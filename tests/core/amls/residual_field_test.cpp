@@ -1,0 +1,76 @@
+#include <filter_amls/residual_field.h>
+#include <filter_amls/surface_data.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace recon;
+
+namespace
+{
+
+/// Root mean square distance from the torus.
+double rms(const Points& points, const UnitFrame* frame = nullptr)
+{
+    double squares = 0;
+    for (const Point& p : points)
+        squares += std::pow(shapes::distance_to_torus(frame ? frame->from_unit(p) : p, 1, 0.4), 2);
+    return std::sqrt(squares / double(points.size()));
+}
+
+/// The samples on the surface as it is before residuals are asked, in the unit frame.
+AmlsProjection project_samples(const AmlsSurface& surface)
+{
+    const AmlsSurface::Data& data = surface.data();
+    return project_in_frame(data, data.points, data.cells.cell_of_point, {}, 1);
+}
+
+/// Of projected samples corrected by their residuals.
+double rms_after_correction(const AmlsSurface& surface, AmlsProjection projected)
+{
+    AmlsSurface::Data data(surface.data().frame);
+    data.points = surface.data().points;
+    data.cells = surface.data().cells;
+    data.residuals = measure_residuals(data, projected, 1);
+    correct_by_residuals(data, data.cells.cell_of_point, projected, 1);
+    return rms(projected.points, &data.frame);
+}
+
+} // namespace
+
+TEST(ResidualField, FewGoodSamplesDecide)
+{
+    // One sample in five is exact, and dense for the noise of the others.
+    const Points noisy = shapes::with_noisy_copies(shapes::torus(8000, 1, 0.4, 1).points, 0.04, 4, 2);
+    const AmlsSurface surface = build_amls_surface(noisy);
+    ASSERT_FALSE(surface.data().residuals.empty());
+    const double before = rms(project_samples(surface).points, &surface.data().frame);
+    EXPECT_LT(rms(project_to_amls(noisy, surface).points), 0.85 * before);
+}
+
+TEST(ResidualField, NoiseAloneIsNotFollowed)
+{
+    for (const double sigma : {0.01, 0.04})
+    {
+        const Points noisy = shapes::with_noise(shapes::torus(30000, 1, 0.4, 3).points, sigma, 4);
+        const AmlsSurface surface = build_amls_surface(noisy);
+        const AmlsProjection projected = project_samples(surface);
+        EXPECT_LT(rms_after_correction(surface, projected), 1.05 * rms(projected.points, &surface.data().frame))
+            << sigma;
+    }
+}
+
+TEST(ResidualField, AnErrorOfTheSurfaceIsFound)
+{
+    // What an error does to residuals, here made by moving the projected samples outward.
+    const Points noisy = shapes::with_noisy_copies(shapes::torus(8000, 1, 0.4, 5).points, 0.04, 4, 6);
+    const AmlsSurface surface = build_amls_surface(noisy);
+    AmlsProjection projected = project_samples(surface);
+    const double error = 0.3 * 0.04 / surface.data().frame.scale();
+    for (std::size_t i = 0; i < projected.points.size(); ++i)
+        projected.points[i] += error * projected.normals[i];
+    EXPECT_LT(rms_after_correction(surface, projected), 0.5 * rms(projected.points, &surface.data().frame));
+}
