@@ -22,6 +22,12 @@ constexpr double bearable_miss = 0.01;
 constexpr double bearable_bare = 0.05;
 /// A rival that keeps more balls fits any points better; it must have less than this share of the mismatch.
 constexpr double clearly_better = 0.5;
+/// Shares of points missed and of bare area above which a denoised crust has lost walls: they read as noise, a lid
+/// closes the cup, and no vote objects. Right crusts miss points by mere noise, or are bare where a scan is open.
+constexpr double buried_points = 0.015, bare_lid = 0.02;
+/// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
+/// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
+constexpr double found_again = 0.25, hopeless = 0.4;
 /// Above this number of points two attempts are not kept side by side [count].
 constexpr std::size_t most_points_twice = 1'000'000;
 
@@ -40,10 +46,12 @@ public:
     {
     }
 
-    LabelledCloud prepare_and_label(Denoise denoise, const Progress& progress)
+    /// \param noise standard deviation [length], 0 = estimate.
+    LabelledCloud prepare_and_label(Denoise denoise, double noise, const Progress& progress)
     {
         SamplePreparationOptions options = options_;
         options.denoise = denoise;
+        options.noise = noise;
         PreparedSamples cloud = prepare_samples(points_, options, times_, progress.part(0, 0.35, "preparation"));
         return label(std::move(cloud), false, progress.part(0.35, 1, "labels"));
     }
@@ -65,12 +73,94 @@ public:
 
     Mismatch measure(const LabelledCloud& found)
     {
-        times_.begin("mismatch");
-        const TriangleMesh crust = extract_crust(found.labelled.regular, found.labelled.labels, labelling_.threads);
-        return measure_mismatch(found.cloud.distinct, crust, labelling_.threads);
+        return measure_mismatch(found.cloud.distinct, extract(found), labelling_.threads);
+    }
+
+    /// A denoised cloud whose crust has lost walls, denoised as if it had less noise.
+    LabelledCloud look_for_walls(LabelledCloud first, const Progress& progress)
+    {
+        if (points_.size() > most_points_twice)
+            return first;
+        TriangleMesh crust = extract(first);
+        Mismatch mismatch;
+        mismatch.bare_area = measure_bare_area(first.cloud.samples, crust, labelling_.threads);
+        if (mismatch.bare_area <= bare_lid)
+            return first;
+        mismatch.missed_points = measure_missed_points(first.cloud.distinct, crust, labelling_.threads);
+        crust = {};
+        const auto is_suspicious = [&]
+        { return mismatch.missed_points > buried_points && mismatch.bare_area > bare_lid; };
+        if (is_suspicious() && first.cloud.is_doubtful && options_.denoise == Denoise::automatic)
+            replace_if_better(first, mismatch, label_fine(first.cloud, progress.part(0, 0.1, "fine balls")),
+                              flooded_above);
+        constexpr int halvings = 3;
+        double noise = first.cloud.noise, most_missed = mismatch.missed_points;
+        for (int i = 0; i < halvings && is_suspicious(); ++i)
+        {
+            noise /= 2;
+            most_missed *= found_again;
+            LabelledCloud finer =
+                prepare_and_label(Denoise::on, noise, progress.part(0.1 + 0.3 * i, 0.4 + 0.3 * i, "less noise"));
+            crust = extract(finer);
+            const Mismatch own{measure_missed_points(finer.cloud.distinct, crust, labelling_.threads),
+                               measure_bare_area(finer.cloud.samples, crust, labelling_.threads)};
+            if (own.missed_points > hopeless * mismatch.missed_points)
+                break;
+            if (own.missed_points < most_missed)
+            {
+                first = std::move(finer);
+                mismatch = own;
+            }
+        }
+        return first;
+    }
+
+    /// A clean cloud whose crust the points contradict, with finer balls, then denoised.
+    LabelledCloud doubt_cleanness(LabelledCloud found, const Progress& progress)
+    {
+        const double violated = found.labelled.violated_votes;
+        if (violated <= suspicious_votes)
+            return found;
+        std::optional<LabelledCloud> first = std::move(found);
+        Mismatch mismatch = measure(*first);
+        const bool is_flooded = violated > flooded_above;
+        // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is
+        // full.
+        if (mismatch.bare_area > bearable_bare && !is_flooded && points_.size() <= most_points_twice)
+            replace_if_better(*first, mismatch, label_fine(first->cloud, progress.part(0, 0.3, "fine balls")),
+                              violated);
+        if (mismatch.missed_points <= bearable_miss && !is_flooded)
+            return std::move(*first);
+        if (points_.size() > most_points_twice)
+            first.reset();
+        {
+            LabelledCloud second = prepare_and_label(Denoise::on, 0, progress.part(0.3, 0.7, "second attempt"));
+            if (is_flooded ? second.labelled.violated_votes < violated : measure(second).sum() < mismatch.sum())
+                return second;
+        }
+        return first ? std::move(*first)
+                     : prepare_and_label(Denoise::automatic, 0, progress.part(0.7, 1, "first attempt again"));
     }
 
 private:
+    TriangleMesh extract(const LabelledCloud& found)
+    {
+        times_.begin("mismatch");
+        return extract_crust(found.labelled.regular, found.labelled.labels, labelling_.threads);
+    }
+
+    /// \param highest_violation share of violated votes that `fine` must stay below.
+    void replace_if_better(LabelledCloud& found, Mismatch& mismatch, LabelledCloud fine, double highest_violation)
+    {
+        const Mismatch own = measure(fine);
+        // Bare flats stay bare: there both are wrong, and the first less so.
+        if (fine.labelled.violated_votes < highest_violation && own.sum() < clearly_better * mismatch.sum())
+        {
+            found = std::move(fine);
+            mismatch = own;
+        }
+    }
+
     LabelledCloud label(PreparedSamples cloud, bool fine, const Progress& progress)
     {
         BallLabellingOptions in_units = labelling_;
@@ -149,44 +239,15 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
                           const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
     Attempts attempts(points, options, labelling, times);
-    std::optional<LabelledCloud> first =
-        attempts.prepare_and_label(options.denoise, progress.part(0, 0.7, "first attempt"));
+    LabelledCloud first =
+        attempts.prepare_and_label(options.denoise, options.noise, progress.part(0, 0.7, "first attempt"));
     // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
-    if (options.denoise != Denoise::automatic || labelling.ball_threshold > 0)
-        return std::move(*first);
-    const bool denoised = first->cloud.denoised;
-    const double violated = first->labelled.violated_votes;
-    if (denoised ? !first->cloud.is_doubtful : violated <= suspicious_votes)
-        return std::move(*first);
-    Mismatch mismatch = attempts.measure(*first);
-    const auto misses_points = [&] { return mismatch.missed_points > bearable_miss; };
-    const bool is_flooded = !denoised && violated > flooded_above;
-    // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is full.
-    const bool loses_walls = mismatch.bare_area > bearable_bare || (denoised && misses_points());
-    if (loses_walls && !is_flooded && points.size() <= most_points_twice)
-    {
-        LabelledCloud fine = attempts.label_fine(first->cloud, progress.part(0.7, 0.8, "fine balls"));
-        const Mismatch own = attempts.measure(fine);
-        // Bare flats stay bare: there both are wrong, and the first less so. Votes of other samples do not compare, but
-        // a sponge across the hole of an open scan leaves nothing bare.
-        if (fine.labelled.violated_votes < (denoised ? flooded_above : violated) &&
-            own.sum() < clearly_better * mismatch.sum())
-        {
-            first = std::move(fine);
-            mismatch = own;
-        }
-    }
-    if (denoised || (!misses_points() && !is_flooded))
-        return std::move(*first);
-    if (points.size() > most_points_twice)
-        first.reset();
-    {
-        LabelledCloud second = attempts.prepare_and_label(Denoise::on, progress.part(0.8, 0.9, "second attempt"));
-        if (is_flooded ? second.labelled.violated_votes < violated : attempts.measure(second).sum() < mismatch.sum())
-            return second;
-    }
-    return first ? std::move(*first)
-                 : attempts.prepare_and_label(options.denoise, progress.part(0.9, 1, "first attempt again"));
+    if (labelling.ball_threshold > 0)
+        return first;
+    const Progress rest = progress.part(0.7, 1, "other attempts");
+    if (first.cloud.denoised)
+        return options.noise == 0 ? attempts.look_for_walls(std::move(first), rest) : std::move(first);
+    return options.denoise == Denoise::automatic ? attempts.doubt_cleanness(std::move(first), rest) : std::move(first);
 }
 
 } // namespace recon

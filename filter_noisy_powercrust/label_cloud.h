@@ -17,10 +17,10 @@ struct LabelledCloud
 };
 
 /// Prepares the samples and labels their polar balls; where faces are bare, again with these completed, and the labels
-/// that contradict less stay. With Denoise::automatic a result that the points contradict has rivals, and the crust
-/// with the smaller mismatch stays: balls kept by the spacing alone where thin walls looked noisy; of a clean cloud of
-/// whose points the crust misses some (an open scan that outer balls flood, coarse limbs), the denoised one.
-/// \param labelling with lengths in input units.
+/// that contradict less stay. A result that the points contradict has rivals: of a denoised cloud whose crust has lost
+/// walls that read as noise, the same with half the noise and less; of a clean cloud whose votes are violated, balls
+/// kept by the spacing alone, and the denoised cloud where the crust misses points (an open scan that outer balls
+/// flood, coarse limbs). \param labelling with lengths in input units.
 LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
                           const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress = {});
 

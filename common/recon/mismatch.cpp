@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -23,17 +24,11 @@ using Triangles = std::vector<Kernel::Triangle_3>;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
-constexpr std::size_t most_asked = 20'000;
+constexpr std::size_t most_asked = 20'000, most_asked_of_area = 4'000;
 
 Kernel::Point_3 to_cgal(const Point& p)
 {
     return {p.x(), p.y(), p.z()};
-}
-
-/// Every n-th, so that at most `most_asked` are.
-std::size_t stride_through(std::size_t count)
-{
-    return count / most_asked + 1;
 }
 
 double measure_spacing_at(const Point& p, const NeighbourSearch& search)
@@ -61,7 +56,7 @@ double measure_missed_points(const Points& points, const TriangleMesh& mesh, con
         return 1;
     Tree tree(triangles.cbegin(), triangles.cend());
     tree.accelerate_distance_queries();
-    const std::size_t stride = stride_through(points.size()), asked = (points.size() + stride - 1) / stride;
+    const std::size_t stride = points.size() / most_asked + 1, asked = (points.size() + stride - 1) / stride;
     std::vector<char> is_missed(asked);
     parallel_for(asked, threads, progress,
                  [&](std::size_t i)
@@ -70,36 +65,36 @@ double measure_missed_points(const Points& points, const TriangleMesh& mesh, con
                      const double spacing = measure_spacing_at(p, search);
                      is_missed[i] = tree.squared_distance(to_cgal(p)) > spacing * spacing;
                  });
-    double missed = 0;
-    for (const char is : is_missed)
-        missed += is;
-    return missed / double(asked);
+    return double(std::count(is_missed.begin(), is_missed.end(), 1)) / double(asked);
 }
 
 double measure_bare_area(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search, int threads,
                          const Progress& progress)
 {
     constexpr double reach = 2; // spacings
-    const std::size_t stride = stride_through(mesh.triangles.size()), asked = (mesh.triangles.size() + stride - 1) / stride;
-    std::vector<double> area(asked);
+    std::vector<double> area_up_to;
+    double area = 0;
+    for (const auto& t : mesh.triangles)
+    {
+        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+        area_up_to.push_back(area += (b - a).cross(c - a).norm());
+    }
+    if (!(area > 0))
+        return 0;
+    // At equal steps of area: a lid is a few large triangles among thousands of small ones.
+    const std::size_t asked = std::min(mesh.triangles.size(), most_asked_of_area);
     std::vector<char> is_bare(asked);
     parallel_for(asked, threads, progress,
                  [&](std::size_t i)
                  {
-                     const auto& t = mesh.triangles[i * stride];
-                     const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-                     area[i] = (b - a).cross(c - a).norm();
-                     const Point centre = (a + b + c) / 3;
+                     const double at = area * ((double(i) + 0.5) / double(asked));
+                     const auto found = std::lower_bound(area_up_to.begin(), area_up_to.end() - 1, at);
+                     const auto& t = mesh.triangles[std::size_t(found - area_up_to.begin())];
+                     const Point centre = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;
                      const Point& nearest = points[search.nearest(centre)];
                      is_bare[i] = (centre - nearest).norm() > reach * measure_spacing_at(nearest, search);
                  });
-    double sum = 0, bare = 0;
-    for (std::size_t i = 0; i < asked; ++i)
-    {
-        sum += area[i];
-        bare += is_bare[i] ? area[i] : 0;
-    }
-    return sum > 0 ? bare / sum : 0;
+    return double(std::count(is_bare.begin(), is_bare.end(), 1)) / double(asked);
 }
 
 } // namespace
@@ -113,6 +108,16 @@ Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int th
     result.missed_points = measure_missed_points(points, mesh, search, threads, progress.part(0, 0.5, "points"));
     result.bare_area = measure_bare_area(points, mesh, search, threads, progress.part(0.5, 1, "area"));
     return result;
+}
+
+double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)
+{
+    return points.empty() ? 0 : measure_missed_points(points, mesh, NeighbourSearch(points), threads, progress);
+}
+
+double measure_bare_area(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)
+{
+    return points.empty() ? 0 : measure_bare_area(points, mesh, NeighbourSearch(points), threads, progress);
 }
 
 } // namespace recon

@@ -14,8 +14,13 @@ struct Mismatch
     double sum() const { return missed_points + bare_area; }
 };
 
-/// Of at most 20,000 of the points and triangles each. Spacing: mean distance of the six nearest others. A mesh without triangles
+/// Of at most 20,000 of the points and at most 4,000 places on the mesh. Spacing: mean distance of the six nearest others. A mesh without triangles
 /// misses all points. \param threads >= 1. \throws Cancelled.
 Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads = 1, const Progress& progress = {});
+
+/// Each alone; the area takes a fifth of the time. \throws Cancelled.
+double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads = 1,
+                             const Progress& progress = {});
+double measure_bare_area(const Points& points, const TriangleMesh& mesh, int threads = 1, const Progress& progress = {});
 
 } // namespace recon

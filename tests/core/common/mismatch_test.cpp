@@ -37,6 +37,8 @@ TEST(MeasureMismatch, CountsThePointsAndTheAreaOfWhatOnlyOneOfThemHas)
     EXPECT_LT(missed.bare_area, 0.01);
     EXPECT_NEAR(bare.bare_area, 0.5, 0.08);
     EXPECT_LT(bare.missed_points, 0.01);
+    EXPECT_EQ(measure_missed_points(points, half), missed.missed_points);
+    EXPECT_EQ(measure_bare_area(upper, whole), bare.bare_area);
 }
 
 TEST(MeasureMismatch, StandsHostileInput)
@@ -44,6 +46,7 @@ TEST(MeasureMismatch, StandsHostileInput)
     const Points points = shapes::sphere(100, 0.5, 1).points;
     EXPECT_EQ(measure_mismatch(points, {}).missed_points, 1);
     EXPECT_EQ(measure_mismatch({}, sphere_crust()).sum(), 0);
+    EXPECT_EQ(measure_missed_points({}, sphere_crust()) + measure_bare_area({}, sphere_crust()), 0);
     TriangleMesh degenerate;
     degenerate.vertices = {Point(0, 0, 0), Point(1, 0, 0), Point(2, 0, 0)};
     degenerate.triangles = {{0, 1, 2}, {0, 0, 1}};

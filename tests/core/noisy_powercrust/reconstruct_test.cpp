@@ -129,36 +129,58 @@ TEST(NoisyPowerCrust, WallsThinnerThanTwoSpacingsAreNoNoise)
     EXPECT_NEAR(report.volume, side * side * thickness, 0.06 * side * side * thickness);
 }
 
-TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
+/// A cup with one sample a unit of area.
+struct Cup
 {
-    constexpr double side = 16, height = 12, wall = 1.5, inside = side - 2 * wall, depth = height - wall;
-    constexpr double volume = side * side * height - inside * inside * depth;
-    shapes::Random random(3);
-    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+    explicit Cup(double wall)
+    {
+        constexpr double side = 16, height = 12;
+        const double inside = side - 2 * wall, depth = height - wall;
+        volume = side * side * height - inside * inside * depth;
+        add_face({0, 0, 0}, {side, 0, 0}, {0, side, 0});
+        add_face({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
+        for (const double far : {0.0, 1.0})
+        {
+            add_face({0, far * side, 0}, {side, 0, 0}, {0, 0, height});
+            add_face({far * side, 0, 0}, {0, side, 0}, {0, 0, height});
+            add_face({wall, wall + far * inside, wall}, {inside, 0, 0}, {0, 0, depth});
+            add_face({wall + far * inside, wall, wall}, {0, inside, 0}, {0, 0, depth});
+            add_face({0, far * (side - wall), height}, {side, 0, 0}, {0, wall, 0});
+            add_face({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
+        }
+    }
+
+    double volume = 0;
     Points points;
-    // One sample a unit of area.
-    const auto add_face = [&](const Point& corner, const Vector& u, const Vector& v)
+
+private:
+    void add_face(const Point& corner, const Vector& u, const Vector& v)
     {
         const int columns = std::max(int(u.norm()), 1), rows = std::max(int(v.norm()), 1);
         for (int i = 0; i < columns; ++i)
             for (int j = 0; j < rows; ++j)
-                points.push_back(corner + (i + 0.2 + 0.6 * uniform()) / columns * u + (j + 0.2 + 0.6 * uniform()) / rows * v);
-    };
-    add_face({0, 0, 0}, {side, 0, 0}, {0, side, 0});
-    add_face({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
-    for (const double far : {0.0, 1.0})
-    {
-        add_face({0, far * side, 0}, {side, 0, 0}, {0, 0, height});
-        add_face({far * side, 0, 0}, {0, side, 0}, {0, 0, height});
-        add_face({wall, wall + far * inside, wall}, {inside, 0, 0}, {0, 0, depth});
-        add_face({wall + far * inside, wall, wall}, {0, inside, 0}, {0, 0, depth});
-        add_face({0, far * (side - wall), height}, {side, 0, 0}, {0, wall, 0});
-        add_face({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
+                points.push_back(corner + (i + 0.2 + 0.6 * uniform()) / columns * u +
+                                 (j + 0.2 + 0.6 * uniform()) / rows * v);
     }
-    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(points, 0.2, 4));
-    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
-    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-    EXPECT_NEAR(report.volume, volume, 0.1 * volume);
+    double uniform() { return double(random_() >> 11) * 0x1p-53; }
+
+    shapes::Random random_{3};
+};
+
+TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
+{
+    struct Case
+    {
+        double wall, noise;
+    };
+    for (const Case& one : {Case{1.5, 0.2}, Case{2, 0.4}, Case{2.5, 0.6}})
+    {
+        const Cup cup(one.wall);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.points, one.noise, 4));
+        const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_NEAR(report.volume, cup.volume, 0.1 * cup.volume) << one.wall << ' ' << one.noise;
+    }
 }
 
 TEST(NoisyPowerCrust, DependsNeitherOnThreadsNorOnOrderNorOnTheRun)
