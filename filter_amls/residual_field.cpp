@@ -17,7 +17,7 @@ namespace recon
 namespace
 {
 
-constexpr double window = 0.4, window_cut = 2; // widths; windows
+constexpr double window = 0.4, window_cut = 1.7; // widths; windows
 constexpr double least_cosine = 0.7;           // of the normals of samples that tell the error of a place with its own
 constexpr double largest_error = 0.7;          // sigmas
 constexpr std::array<double, 3> robust_scales = {0.07, 0.1, 0.2};  // sigmas: the candidates
@@ -26,7 +26,7 @@ constexpr std::array<double, 4> narrowing_rounds = {2, 1.4, 1, 1}; // robust sca
 constexpr double confirmed_share = 0.4;
 constexpr int points_per_trial = 25, fewest_trials = 1000, most_trials = 4000;
 constexpr int pooled_trials = 40, global_trials = 20; // trials around that share their verdict, and the weight of all
-constexpr double run_radius = 0.35;                   // widths
+constexpr double run_radius = 0.5;                   // widths
 constexpr int longest_run = 64;
 
 using Lanes = simd::FloatLanes;
@@ -89,6 +89,9 @@ public:
         field_.search.within(centre, radius, found_);
         around_.gather(field_.places, {}, found_, centre);
         around_.gather_directions(field_.normals, found_);
+        residuals_.assign(around_.x.size(), 0);
+        for (std::size_t k = 0; k < found_.size(); ++k)
+            residuals_[k] = field_.residuals[std::size_t(found_[k])];
         weights_.resize(around_.x.size());
         origin_ = centre;
     }
@@ -98,66 +101,33 @@ public:
     {
         const Eigen::Vector3f local = (place - origin_).cast<float>(), n = normal.cast<float>();
         weigh(around_, local.data(), n.data(), float(1 / (window * width)), weights_.data());
-        for (Samples* samples : {&all_, &half_[0], &half_[1]})
-            samples->clear();
-        for (int k = 0; k < around_.size; ++k)
-            if (weights_[std::size_t(k)] > 0)
-                all_.add(weights_[std::size_t(k)], field_.residuals[std::size_t(found_[std::size_t(k)])]);
-        all_.pad();
     }
+
+    /// What they say [length]. \param scale the robust scale [sigma].
+    double error_by_all(double sigma, double scale) const { return error(weights_, sigma, scale); }
 
     /// Divides them, at random: neighbours in spatial order are off alike, so that taking turns the halves would agree
     /// on noise.
     void divide()
     {
-        for (int k = 0; k < around_.size; ++k)
-            if (weights_[std::size_t(k)] > 0)
-            {
-                const std::size_t i = std::size_t(found_[std::size_t(k)]);
-                half_[scramble(i) & 1].add(weights_[std::size_t(k)], field_.residuals[i]);
-            }
-        half_[0].pad();
-        half_[1].pad();
+        for (auto& half : half_weights_)
+            half.assign(weights_.size(), 0);
+        for (std::size_t k = 0; k < found_.size(); ++k)
+            half_weights_[scramble(std::uint64_t(found_[k])) & 1][k] = weights_[k];
     }
-
-    double error_by_all(double sigma, double scale) const { return error(all_, sigma, scale); }
     double error_by_half(int half, double sigma, double scale) const
     {
-        return error(half_[std::size_t(half)], sigma, scale);
+        return error(half_weights_[std::size_t(half)], sigma, scale);
     }
 
 private:
-    struct Samples
-    {
-        std::vector<float> weights, residuals;
-        int size = 0;
-
-        void clear()
-        {
-            weights.clear();
-            residuals.clear();
-            size = 0;
-        }
-        void add(float weight, float residual)
-        {
-            weights.push_back(weight);
-            residuals.push_back(residual);
-            ++size;
-        }
-        void pad()
-        {
-            weights.resize(std::size_t(simd::padded(size)), 0);
-            residuals.resize(weights.size(), 0);
-        }
-    };
-
-    static double error(const Samples& samples, double sigma, double scale)
+    double error(const std::vector<float>& weights, double sigma, double scale) const
     {
         double centre = 0;
         for (const double factor : narrowing_rounds)
         {
             double sums[2];
-            sum_robust(samples.weights.data(), samples.residuals.data(), samples.size, float(centre),
+            sum_robust(weights.data(), residuals_.data(), around_.size, float(centre),
                        float(1 / (2 * factor * scale * sigma)), sums);
             if (!(sums[1] > 0))
                 return 0;
@@ -169,8 +139,8 @@ private:
     const ResidualField& field_;
     std::vector<int> found_;
     Gathered around_;
-    std::vector<float> weights_;
-    Samples all_, half_[2];
+    std::vector<float> residuals_, weights_;
+    std::array<std::vector<float>, 2> half_weights_;
     Point origin_ = Point::Zero();
 };
 
