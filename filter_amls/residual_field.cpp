@@ -25,7 +25,7 @@ constexpr std::array<double, 4> narrowing_rounds = {2, 1.4, 1, 1}; // robust sca
 /// Two halves of the samples agree less than all of them tell, so that half of what is told need not be confirmed.
 constexpr double confirmed_share = 0.4;
 constexpr int points_per_trial = 25, fewest_trials = 1000, most_trials = 4000;
-constexpr int pooled_trials = 40, global_trials = 20; // trials around that share their verdict, and the weight of all
+constexpr int pooled_trials = 40, global_trials = 40; // trials around that share their verdict, and the weight of all
 constexpr double run_radius = 0.5;                   // widths
 constexpr int longest_run = 64;
 
