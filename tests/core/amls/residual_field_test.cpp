@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace recon;
@@ -49,6 +50,26 @@ TEST(ResidualField, FewGoodSamplesDecide)
     ASSERT_FALSE(surface.data().residuals.empty());
     const double before = rms(project_samples(surface).points, &surface.data().frame);
     EXPECT_LT(rms(project_to_amls(noisy, surface).points), 0.85 * before);
+}
+
+TEST(ResidualField, DependsNeitherOnThreadsNorOnTheOrder)
+{
+    Points noisy = shapes::with_noisy_copies(shapes::torus(3000, 1, 0.4, 7).points, 0.05, 4, 8);
+    const auto project = [&](int threads)
+    {
+        AmlsOptions options;
+        options.threads = threads;
+        AmlsProjectionOptions projection;
+        projection.threads = threads;
+        const AmlsSurface surface = build_amls_surface(noisy, options);
+        EXPECT_FALSE(surface.data().residuals.empty());
+        return project_to_amls(noisy, surface, projection).points;
+    };
+    Points forward = project(1);
+    EXPECT_EQ(forward, project(3));
+    std::reverse(noisy.begin(), noisy.end());
+    std::reverse(forward.begin(), forward.end());
+    EXPECT_EQ(forward, project(2));
 }
 
 TEST(ResidualField, NoiseAloneIsNotFollowed)
