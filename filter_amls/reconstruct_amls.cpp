@@ -2,13 +2,13 @@
 
 #include "sample_surface.h"
 #include "smooth_mesh.h"
+#include "surface_data.h"
 
 #include <recon/cleanness.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
 
 #include <optional>
 
@@ -63,13 +63,18 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.3, "AMLS surface"));
     result.surface = surface.report();
 
-    const UnitFrame frame(points);
     BallLabellingOptions labelling;
     labelling.threads = resolve_threads(options.threads);
     times.begin("gate");
+    const AmlsSurface::Data& data = surface.data();
     Points distinct;
-    for (const int i : order_spatially(points).order)
-        distinct.push_back(frame.to_unit(points[i]));
+    for (std::size_t i = 0; i < data.points.size(); ++i)
+        if (data.cell_normals.kinds[std::size_t(data.cells.cell_of_point[i])] != CellKind::outlier)
+            distinct.push_back(points[std::size_t(data.spatial.order[i])]);
+    const int isolated = int(data.points.size() - distinct.size());
+    // Not that of all points, see label_surface().
+    const UnitFrame frame(isolated > 0 ? distinct : points);
+    distinct = frame.to_unit(distinct);
     // Exact points are themselves the best samples: walls thinner than the width have no other.
     std::optional<LabelledSamples> found;
     const double noise = surface.report().least_noise;
@@ -83,7 +88,10 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
         LabelledBalls labelled =
             label_polar_balls(distinct, {}, labelling, times, progress.part(0.3, 0.5, "polar balls"));
         if (labelled.violated_votes <= flooded_above) // else points need the surface's normals
+        {
+            result.outliers = isolated;
             found = LabelledSamples{frame, std::move(distinct), std::move(labelled)};
+        }
     }
     const bool is_exact = found.has_value();
     if (!is_exact)

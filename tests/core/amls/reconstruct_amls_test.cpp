@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace recon;
@@ -48,6 +49,28 @@ TEST(ReconstructAmls, PassesThroughCleanPoints)
         exact += (found.mesh.vertices[v] - points[found.nearest_sample[v]]).norm() < 1e-12;
     EXPECT_GT(exact, 0.99 * double(found.mesh.vertices.size()));
     EXPECT_GT(exact, 0.99 * double(points.size()));
+}
+
+TEST(ReconstructAmls, CleanPointsKeepTheirShapeBesideOutliers)
+{
+    const Points torus = shapes::torus(4000, 1, 0.4, 1).points;
+    Points few = torus;
+    for (const Point& p : shapes::sphere(8, 4, 4).points)
+        few.push_back(p);
+    Points one = torus;
+    one.emplace_back(1e5, 0, 0); // what the others look like is 1e-5 of the frame
+    for (const Points& points : {few, one})
+    {
+        const AmlsReconstruction found = reconstruct_amls(points);
+        EXPECT_TRUE(checks::examine_mesh(found.mesh).is_closed_oriented_manifold());
+        EXPECT_EQ(found.components, 1);
+        EXPECT_EQ(found.genus, 1);
+        EXPECT_EQ(found.outliers, int(points.size() - torus.size()));
+        double farthest = 0;
+        for (const Point& p : found.mesh.vertices)
+            farthest = std::max(farthest, shapes::distance_to_torus(p, 1, 0.4));
+        EXPECT_LT(farthest, 0.02);
+    }
 }
 
 TEST(ReconstructAmls, ProjectsPointsWithALittleNoise)
