@@ -64,6 +64,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     result.surface = surface.report();
 
     BallLabellingOptions labelling;
+    labelling.share_balls = true; // the crust goes through the samples
     labelling.threads = resolve_threads(options.threads);
     times.begin("gate");
     const AmlsSurface::Data& data = surface.data();

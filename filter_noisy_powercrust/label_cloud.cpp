@@ -36,6 +36,9 @@ constexpr double calm_votes = 0.005;
 /// Up to this share of violated votes completed flat faces are not doubted.
 constexpr double certain_votes = 0.02;
 
+/// Share of samples with long Voronoi cells up to which shared balls would hardly do, see share_poles().
+constexpr double well_sampled = 0.95;
+
 /// Attempts at one cloud.
 class Attempts
 {
@@ -167,6 +170,7 @@ private:
         in_units.ball_threshold /= cloud.frame.scale();
         in_units.noise /= cloud.frame.scale();
         in_units.fine = fine;
+        in_units.share_balls = in_units.share_balls && cloud.cleanness > well_sampled;
         const auto label_samples = [&](double from, double to) {
             return label_polar_balls(cloud.samples, cloud.normals, in_units, times_,
                                      progress.part(from, to, "polar balls"));

@@ -76,6 +76,8 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     labelling.ball_threshold = options.ball_threshold;
     labelling.noise = options.noise;
     labelling.deep_intersection = options.deep_intersection;
+    // The crust then goes through the samples, see through_samples below.
+    labelling.share_balls = options.smooth && options.simplify && options.ball_threshold == 0;
     labelling.threads = resolve_threads(options.threads);
     const LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.75, "crust"));
     const PreparedSamples& cloud = found.cloud;

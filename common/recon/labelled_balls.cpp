@@ -10,6 +10,7 @@
 #include <recon/short_handles.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace recon
@@ -25,6 +26,10 @@ constexpr double island_share = 0.02;
 
 /// Radius below which a ball may be noise [local scales].
 constexpr double small_below = 2;
+
+/// Up to this share of violated votes shared balls gave the labels that all balls give. Where more are, walls are thin
+/// or handles small, and every ball counts.
+constexpr double calm_votes = 0.001;
 
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real
 /// holes to the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the
@@ -118,6 +123,40 @@ ShortHandleOptions options_for_handles(bool oriented, int threads)
     return options;
 }
 
+/// Steps 1 and 2: poles of the samples, and how large a ball must be.
+struct PolesFound
+{
+    Triangulation delaunay;
+    Poles poles;
+    BlockSearch search; ///< Over the samples without the corners of the box.
+    BallScale scale;
+};
+
+/// \param samples with the corners of the box, here and below.
+PolesFound find_poles_and_scale(const Points& samples, const Vectors& normals, const BallLabellingOptions& options,
+                                PhaseTimes& times, const Progress& progress)
+{
+    const bool oriented = !normals.empty();
+    const int threads = options.threads;
+    PolesFound result;
+    times.begin("Delaunay triangulation");
+    const Triangulation& delaunay = result.delaunay =
+        triangulate_delaunay(samples, progress.part(0, 0.9, "Delaunay triangulation"), threads);
+    const Points free_samples(samples.begin(), samples.end() - box_corner_count);
+    result.search = BlockSearch(free_samples);
+    const SampleSpacing spacing = measure_spacing(free_samples, result.search, threads);
+
+    times.begin("polar balls");
+    result.poles = oriented ? find_poles_along_normals(delaunay, samples, normals, threads)
+                            : find_poles(delaunay, samples, threads);
+    find_slant_poles(delaunay, samples, result.poles, threads);
+    result.scale = oriented || options.fine ? choose_fine_scale(spacing)
+                                            : choose_scale(spacing, free_samples, result.search, delaunay, result.poles,
+                                                           options.noise, threads);
+    progress.report(1);
+    return result;
+}
+
 /// Polar balls that were kept, what the samples say about them, and how fine the samples are there.
 struct KeptBalls
 {
@@ -127,45 +166,29 @@ struct KeptBalls
     std::vector<SignedEdge> votes;
 };
 
-/// Steps 1 to 3. \param samples with the corners of the box.
-KeptBalls keep_balls(const Points& samples, const Vectors& normals, const BallLabellingOptions& options,
-                     PhaseTimes& times, const Progress& progress)
+/// Step 3. \param poles those found, or shared ones.
+KeptBalls keep_balls(const Points& samples, const PolesFound& found, const Poles& poles,
+                     const BallLabellingOptions& options)
 {
-    const bool oriented = !normals.empty();
-    const int threads = options.threads;
-    times.begin("Delaunay triangulation");
-    Triangulation delaunay = triangulate_delaunay(samples, progress.part(0, 0.85, "Delaunay triangulation"), threads);
-    const Points free_samples(samples.begin(), samples.end() - box_corner_count);
-    const BlockSearch search(free_samples);
-    const SampleSpacing spacing = measure_spacing(free_samples, search, threads);
-
-    times.begin("polar balls");
-    Poles poles = oriented ? find_poles_along_normals(delaunay, samples, normals, threads)
-                           : find_poles(delaunay, samples, threads);
-    find_slant_poles(delaunay, samples, poles, threads);
-    const BallScale scale = oriented || options.fine
-                                ? choose_fine_scale(spacing)
-                                : choose_scale(spacing, free_samples, search, delaunay, poles, options.noise, threads);
     KeptBalls result;
-    result.polar =
-        keep_polar_balls(delaunay, samples, poles,
-                         [&](double radius, const std::array<int, 4>& touched) {
-                             return radius >= (options.ball_threshold > 0 ? options.ball_threshold
-                                                                          : average_over(touched, scale.threshold));
-                         });
-    delaunay = Triangulation();
-    result.scale = average_over_touched(result.polar, scale.scale);
-    result.density = average_over_touched(result.polar, scale.density);
-    result.median_spacing = scale.median_spacing;
-    result.votes = list_opposite_votes(samples, result.polar, search, threads);
-    progress.report(1);
+    result.polar = keep_polar_balls(found.delaunay, samples, poles,
+                                    [&](double radius, const std::array<int, 4>& touched)
+                                    {
+                                        return radius >= (options.ball_threshold > 0
+                                                              ? options.ball_threshold
+                                                              : average_over(touched, found.scale.threshold));
+                                    });
+    result.scale = average_over_touched(result.polar, found.scale.scale);
+    result.density = average_over_touched(result.polar, found.scale.density);
+    result.median_spacing = found.scale.median_spacing;
+    result.votes = list_opposite_votes(samples, result.polar, found.search, options.threads);
     return result;
 }
 
 /// Attractions between neighbouring balls, pairs that are certain, and the roots.
 SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept,
-                       const std::vector<std::array<int, 2>>& twins, bool oriented,
-                       const BallLabellingOptions& options, const Progress& progress)
+                       const std::vector<std::array<int, 2>>& twins, bool oriented, const BallLabellingOptions& options,
+                       const Progress& progress)
 {
     BallAttractionOptions attraction_options;
     attraction_options.deep_intersection = options.deep_intersection;
@@ -254,6 +277,33 @@ void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads
                          options_for_handles(oriented, threads), balls.labels);
 }
 
+/// Labels before repair, and what they were found from.
+struct Labels
+{
+    LabelledBalls balls;
+    SignedGraph graph;
+};
+
+/// Steps 4 and 5.
+Labels find_labels(KeptBalls kept, const Points& samples, const Vectors& normals, const BallLabellingOptions& options,
+                   PhaseTimes& times, const Progress& progress)
+{
+    times.begin("power diagram");
+    PowerDiagram diagram(kept.polar.balls);
+    Triangulation regular = diagram.triangulation(options.threads, progress.part(0, 0.5, "power diagram"));
+
+    times.begin("labels");
+    std::vector<std::array<int, 2>> twins = pair_hidden_balls(regular, kept.polar.balls);
+    SignedGraph graph =
+        link_balls(regular, kept, twins, !normals.empty(), options, progress.part(0.5, 0.8, "attraction of balls"));
+    std::vector<Side> labels;
+    const double violated = label_balls(graph, kept, samples, normals, options, labels);
+    progress.part(0.8, 1, "labels").report(1);
+    return {{std::move(kept.polar), std::move(diagram), std::move(regular), std::move(labels), std::move(kept.scale),
+             kept.median_spacing, violated, std::move(twins)},
+            std::move(graph)};
+}
+
 } // namespace
 
 LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options,
@@ -261,32 +311,30 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
 {
     const bool oriented = !normals.empty();
     append_box_corners(samples);
-    KeptBalls kept = keep_balls(samples, normals, options, times, progress.part(0, 0.35, "polar balls"));
-
-    times.begin("power diagram");
-    PowerDiagram diagram(kept.polar.balls);
-    Triangulation regular = diagram.triangulation(options.threads, progress.part(0.35, 0.6, "power diagram"));
-
-    times.begin("labels");
-    std::vector<std::array<int, 2>> twins = pair_hidden_balls(regular, kept.polar.balls);
-    SignedGraph graph = link_balls(regular, kept, twins, oriented, options, progress.part(0.6, 0.75, "attraction of balls"));
-    std::vector<Side> labels;
-    const double violated = label_balls(graph, kept, samples, normals, options, labels);
-    progress.part(0.75, 0.85, "labels").report(1);
-
+    PolesFound found = find_poles_and_scale(samples, normals, options, times, progress.part(0, 0.35, "polar balls"));
+    std::optional<Labels> result;
+    if (options.share_balls && !oriented && !options.fine)
+    {
+        Poles shared = found.poles;
+        share_poles(found.delaunay, samples, found.scale.scale, shared);
+        result = find_labels(keep_balls(samples, found, shared, options), samples, normals, options, times,
+                             progress.part(0.35, 0.6, "labels"));
+        if (result->balls.violated_votes > calm_votes)
+            result.reset();
+    }
+    if (!result)
+    {
+        times.begin("polar balls");
+        KeptBalls kept = keep_balls(samples, found, found.poles, options);
+        found = {};
+        result = find_labels(std::move(kept), samples, normals, options, times, progress.part(0.6, 0.85, "labels"));
+    }
+    found = {};
     times.begin("repair");
-    LabelledBalls result{std::move(kept.polar),
-                         std::move(diagram),
-                         std::move(regular),
-                         std::move(labels),
-                         std::move(kept.scale),
-                         kept.median_spacing,
-                         violated,
-                         std::move(twins)};
-    repair(result, graph, oriented, options.threads);
+    repair(result->balls, result->graph, oriented, options.threads);
     progress.part(0.85, 1, "repair").report(1);
     times.end();
-    return result;
+    return std::move(result->balls);
 }
 
 } // namespace recon

@@ -20,6 +20,8 @@ struct BallLabellingOptions
     double noise = 0;             ///< Standard deviation of the noise, if known [unit length], >= 0.
     double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
     bool fine = false;            ///< Nothing is noise: balls stay by the spacing alone, however thin the wall around them.
+    /// Samples may share polar balls as long as the labels contradict next to none of their votes, see share_poles().
+    bool share_balls = false;
     int threads = 1;
 };
 

@@ -19,6 +19,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <set>
 
 using namespace recon;
 
@@ -43,7 +44,8 @@ TEST(IntersectDiscWithPolygon, AgreesWithKnownAreas)
     EXPECT_NEAR(intersect_disc_with_polygon(0.5, square), pi / 4, 1e-12) << "disc inside the polygon";
     // Disc of radius sqrt(2) - e.g. 1.2 - cut by the square: area minus four circular segments.
     const double r = 1.2, half_angle = std::acos(1 / r);
-    EXPECT_NEAR(intersect_disc_with_polygon(r, square), r * r * (pi - 4 * half_angle) + 4 * std::sqrt(r * r - 1), 1e-12);
+    EXPECT_NEAR(intersect_disc_with_polygon(r, square), r * r * (pi - 4 * half_angle) + 4 * std::sqrt(r * r - 1),
+                1e-12);
     const Polygon away = {{3, 3}, {5, 3}, {5, 5}};
     EXPECT_NEAR(intersect_disc_with_polygon(1, away), 0, 1e-12);
     const Polygon reversed(square.rbegin(), square.rend());
@@ -71,7 +73,8 @@ TEST(FindPoles, ReachTheMedialAxisOfATorus)
     const OrientedSamples oriented = shapes::torus(4000, major, minor, 1);
     append_box_corners(samples);
     const Triangulation delaunay = triangulate_delaunay(samples);
-    const Poles poles = find_poles(delaunay, samples), along = find_poles_along_normals(delaunay, samples, oriented.normals);
+    const Poles poles = find_poles(delaunay, samples),
+                along = find_poles_along_normals(delaunay, samples, oriented.normals);
     int inner_right = 0, same = 0;
     for (int v = 0; v < 4000; ++v)
     {
@@ -119,7 +122,8 @@ TEST(FindSlantPoles, FillTheGapsBetweenRingsAndAreNotNeededElsewhere)
         for (int k = 0; k < around; ++k)
         {
             const double angle = 2 * pi * (k + 0.5 * (ring % 2)) / around;
-            limb.emplace_back(std::cos(angle) + jitter(random), std::sin(angle) + jitter(random), height(ring) + jitter(random));
+            limb.emplace_back(std::cos(angle) + jitter(random), std::sin(angle) + jitter(random),
+                              height(ring) + jitter(random));
         }
     const UnitFrame frame(limb);
     limb = frame.to_unit(limb);
@@ -135,7 +139,8 @@ TEST(FindSlantPoles, FillTheGapsBetweenRingsAndAreNotNeededElsewhere)
             for (const Ball& ball : kept.balls)
             {
                 const Point centre = frame.from_unit(ball.centre);
-                has_ball |= centre.head<2>().norm() < 0.3 && std::abs(2 * centre.z() - height(gap) - height(gap + 1)) < 0.6;
+                has_ball |=
+                    centre.head<2>().norm() < 0.3 && std::abs(2 * centre.z() - height(gap) - height(gap + 1)) < 0.6;
             }
             filled += has_ball;
         }
@@ -155,6 +160,56 @@ TEST(FindSlantPoles, FillTheGapsBetweenRingsAndAreNotNeededElsewhere)
     for (const auto& cells : poles.slant)
         slant += (cells[0] != Poles::none) + (cells[1] != Poles::none);
     EXPECT_LT(slant, 40);
+}
+
+TEST(SharePoles, LeavesFewerBallsThatTouchEverySampleOnBothSides)
+{
+    constexpr int n = 4000;
+    Points samples = shapes::torus(n, major, minor, 1).points;
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    const Poles own = find_poles(delaunay, samples);
+    Poles shared = own;
+    share_poles(delaunay, samples, std::vector<double>(n, 0.02), shared);
+    std::set<int> before, after;
+    for (int v = 0; v < n; ++v)
+        for (int side = 0; side < 2; ++side)
+        {
+            const int c = shared.cells[v][side];
+            ASSERT_NE(c, Poles::none);
+            before.insert(own.cells[v][side]);
+            after.insert(c);
+            const Vector pole = delaunay.centres[own.cells[v][side]] - samples[v],
+                         offset = delaunay.centres[c] - samples[v];
+            EXPECT_GT(offset.dot(pole), 0.89 * offset.norm() * pole.norm());
+            EXPECT_GE(offset.norm(), 0.49 * pole.norm());
+            // It touches the sample.
+            const double radius = (delaunay.centres[c] - samples[delaunay.cells[c].vertices[0]]).norm();
+            EXPECT_LE(offset.squaredNorm() - radius * radius, 0.011 * 0.02 * 0.02);
+        }
+    EXPECT_LT(after.size(), 0.4 * double(before.size()));
+    for (std::size_t v = n; v < samples.size(); ++v) // corners of the box
+        EXPECT_EQ(shared.cells[v], own.cells[v]);
+}
+
+TEST(LabelPolarBalls, SharesBallsOnlyWhereTheSamplesAgree)
+{
+    BallLabellingOptions sharing;
+    sharing.share_balls = true;
+    const auto count_balls = [&](const Points& samples, const BallLabellingOptions& options, int genus)
+    {
+        PhaseTimes times;
+        const LabelledBalls labelled = label_polar_balls(samples, {}, options, times);
+        const checks::MeshReport report = checks::examine_mesh(extract_crust(labelled.regular, labelled.labels));
+        EXPECT_EQ(report.components, 1) << report.text();
+        EXPECT_EQ(report.genus(), genus) << report.text();
+        return double(labelled.kept.balls.size());
+    };
+    const Points torus = shapes::torus(4000, major, minor, 1).points;
+    EXPECT_LT(count_balls(torus, sharing, 1), 0.5 * count_balls(torus, {}, 1));
+    // Box: at its edges the votes are violated.
+    const Points box = shapes::box(1500, Vector(0.7, 0.5, 0.4), 1).points;
+    EXPECT_EQ(count_balls(box, sharing, 0), count_balls(box, {}, 0));
 }
 
 TEST(SpareBridges, LeavesOneChainWhereAllOfANeckIsDoubtful)
@@ -225,7 +280,8 @@ TEST(LabelPolarBalls, TellsInnerFromOuterBallsOfATorus)
     {
         const OrientedSamples torus = shapes::torus(4000, major, minor, 1);
         PhaseTimes times;
-        const LabelledBalls labelled = label_polar_balls(torus.points, with_normals ? torus.normals : Vectors{}, {}, times);
+        const LabelledBalls labelled =
+            label_polar_balls(torus.points, with_normals ? torus.normals : Vectors{}, {}, times);
         int wrong = 0;
         for (std::size_t i = 0; i < labelled.labels.size(); ++i)
             wrong += labelled.labels[i] != true_side(labelled.kept.balls[i].centre);
@@ -241,8 +297,8 @@ TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
     Points samples = shapes::torus(1500, major, minor, 2).points;
     append_box_corners(samples);
     const Triangulation delaunay = triangulate_delaunay(samples);
-    const PolarBalls kept =
-        keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double r, const auto&) { return r > 0.02; });
+    const PolarBalls kept = keep_polar_balls(delaunay, samples, find_poles(delaunay, samples),
+                                             [](double r, const auto&) { return r > 0.02; });
     PowerDiagram diagram(kept.balls);
     const Triangulation regular = diagram.triangulation();
     for (int trial = 0; trial < 5; ++trial)
@@ -279,8 +335,8 @@ TEST(CollapseShortEdges, KeepsTheTopologyAndTheShapeForAnyNumberOfThreads)
     Points samples = shapes::with_noise(shapes::torus(8000, major, minor, 2).points, 1e-4, 3);
     append_box_corners(samples);
     const Triangulation delaunay = triangulate_delaunay(samples);
-    const PolarBalls kept =
-        keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double r, const auto&) { return r > 0.02; });
+    const PolarBalls kept = keep_polar_balls(delaunay, samples, find_poles(delaunay, samples),
+                                             [](double r, const auto&) { return r > 0.02; });
     std::vector<Side> labels;
     for (const Ball& ball : kept.balls)
         labels.push_back(true_side(ball.centre));
@@ -294,7 +350,8 @@ TEST(CollapseShortEdges, KeepsTheTopologyAndTheShapeForAnyNumberOfThreads)
     for (options.threads = 1; options.threads <= 3; ++options.threads)
     {
         TriangleMesh mesh = crust;
-        const std::vector<int> former = collapse_short_edges(mesh, pair_half_edges(mesh, options.threads), scale, merged, options);
+        const std::vector<int> former =
+            collapse_short_edges(mesh, pair_half_edges(mesh, options.threads), scale, merged, options);
         const checks::MeshReport report = checks::examine_mesh(mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_EQ(report.genus(), 1);
@@ -357,7 +414,7 @@ TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)
     const auto index = [&](int x, int y, int z) { return (x * (steps + 1) + y) * (steps + 1) + z; };
 
     std::vector<int> weight(balls.size(), 1);
-    labels[index(7, 7, 7)] = Side::outer; // a void
+    labels[index(7, 7, 7)] = Side::outer;  // a void
     labels[index(1, 1, 13)] = Side::inner; // an island
     EXPECT_EQ(absorb_islands(regular, is_root, weight, 0.02, labels), 2);
     EXPECT_EQ(labels, truth);
@@ -385,8 +442,8 @@ TEST(OppositeVotes, CrossASlabOfNoise)
     const BlockSearch search(free_samples);
     append_box_corners(samples);
     const Triangulation delaunay = triangulate_delaunay(samples);
-    const PolarBalls kept =
-        keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double r, const auto&) { return r > 0.06; });
+    const PolarBalls kept = keep_polar_balls(delaunay, samples, find_poles(delaunay, samples),
+                                             [](double r, const auto&) { return r > 0.06; });
     const std::vector<SignedEdge> votes = list_opposite_votes(samples, kept, search, 1);
     const std::vector<SignedEdge> same = list_opposite_votes(samples, kept, search, 3);
     ASSERT_EQ(votes.size(), same.size());
