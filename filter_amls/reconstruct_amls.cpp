@@ -4,6 +4,7 @@
 #include "smooth_mesh.h"
 #include "surface_data.h"
 
+#include <recon/block_search.h>
 #include <recon/cleanness.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
@@ -23,6 +24,32 @@ constexpr double flat_share = 0.8;
 /// Noise between these makes it noisy all the same [spacings, see NoiseEstimate::least_noise()]. Clean clouds have up
 /// to 0.094; more than the upper one leaves no flat neighbours, so thin walls read as noise there.
 constexpr double least_noise = 0.1, walls = 0.4;
+
+/// Isolated points farther from the others are no part of an exact cloud; nearer ones may be, where it is sparse
+/// [diagonals of the others].
+constexpr double strange_distance = 0.25;
+
+/// The distinct points in spatial order, but for isolated ones far from the others.
+Points points_without_strangers(const Points& points, const AmlsSurface::Data& data)
+{
+    const auto point = [&](std::size_t i) { return points[std::size_t(data.spatial.order[i])]; };
+    const auto is_isolated = [&](std::size_t i)
+    { return data.cell_normals.kinds[std::size_t(data.cells.cell_of_point[i])] == CellKind::outlier; };
+    const std::size_t n = data.points.size();
+    Points others;
+    for (std::size_t i = 0; i < n; ++i)
+        if (!is_isolated(i))
+            others.push_back(point(i));
+    if (others.size() == n)
+        return others;
+    const BlockSearch search(others);
+    const double reach = strange_distance * UnitFrame(others).scale();
+    Points kept;
+    for (std::size_t i = 0; i < n; ++i)
+        if (!is_isolated(i) || (others[std::size_t(search.nearest(point(i)))] - point(i)).norm() <= reach)
+            kept.push_back(point(i));
+    return kept;
+}
 
 /// What a crust is made of, in a unit frame.
 struct LabelledSamples
@@ -67,12 +94,8 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     labelling.share_balls = true; // the crust goes through the samples
     labelling.threads = resolve_threads(options.threads);
     times.begin("gate");
-    const AmlsSurface::Data& data = surface.data();
-    Points distinct;
-    for (std::size_t i = 0; i < data.points.size(); ++i)
-        if (data.cell_normals.kinds[std::size_t(data.cells.cell_of_point[i])] != CellKind::outlier)
-            distinct.push_back(points[std::size_t(data.spatial.order[i])]);
-    const int isolated = int(data.points.size() - distinct.size());
+    Points distinct = points_without_strangers(points, surface.data());
+    const int isolated = int(surface.data().points.size() - distinct.size());
     // Not that of all points, see label_surface().
     const UnitFrame frame(isolated > 0 ? distinct : points);
     distinct = frame.to_unit(distinct);
