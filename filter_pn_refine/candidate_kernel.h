@@ -1,8 +1,8 @@
 // What may be put around a refined point, and what is there already. No include guard: see lanes.h.
 
-/// Centres of the triangles of the fan; none across a gap of half a turn or more, none from slivers, none out of
-/// reach. \returns the fan's widest gap.
-PN_INLINE float list_candidates(const Centre& c, const Ring& ring, const Fan& fan, float least_distance,
+/// Centres of the triangles of the fan; none across a gap of half a turn or more, none from slivers or from triangles
+/// that are large against the spacing, none out of reach. \returns the fan's widest gap.
+PN_INLINE float list_candidates(const Centre& c, const Ring& ring, const Fan& fan, float least_distance, float spacing,
                                 Candidates& out)
 {
     const int n = fan.count;
@@ -26,8 +26,9 @@ PN_INLINE float list_candidates(const Centre& c, const Ring& ring, const Fan& fa
     const Floats a2 = length * length, longest = larger(ex * ex + ey * ey + ez * ez, larger(a2, permute(a2, next)));
     // Height / longest edge = twice the area / longest edge squared.
     constexpr float least = LocalRules::least_height * LocalRules::least_height;
+    const float most = LocalRules::longest_edge * spacing;
     Mask usable = first_lanes(n) & below(turn, all(3.14159265f - 1e-4f)) &
-                  at_most(least * longest * longest, cx * cx + cy * cy + cz * cz) &
+                  at_most(least * longest * longest, cx * cx + cy * cy + cz * cz) & at_most(longest, all(most * most)) &
                   at_most(Floats{}, anx * bnx + any * bny + anz * bnz);
     Floats x = atx + permute(atx, next), y = aty + permute(aty, next), z = atz + permute(atz, next);
     add_tangent(ex, ey, ez, anx, any, anz, x, y, z);

@@ -35,6 +35,9 @@ struct LocalRules
     /// as well (choose_neighbours()).
     static constexpr float firm = 0.95f;
     static constexpr float least_height = 0.1f; ///< Of a candidate's triangle, in its longest edge.
+    /// [spacings] Nor has such a triangle a longer edge: it would span a bay of the rim or a hole's side. (At 4 gaps
+    /// between random samples stay open.)
+    static constexpr float longest_edge = 5;
 
     // Radii.
     /// No radius written while refining a point exceeds this: radii run away else.

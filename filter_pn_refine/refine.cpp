@@ -181,7 +181,7 @@ public:
             spacing = find_spacing(usable.samples, usable.nearest, threads_);
         }
         usable.nearest = {};
-        find_segments(usable, fans);
+        find_segments(usable, fans, spacing);
         start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
         times.end();
 
@@ -293,10 +293,10 @@ private:
         return int(made.samples.points.size());
     }
 
-    void find_segments(const UsableSamples& usable, const InitialFans& fans)
+    void find_segments(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing)
     {
         if (options_.preserve_boundaries)
-            segments_ = find_boundary_segments(usable, fans, options_.boundary_angle * radians);
+            segments_ = find_boundary_segments(usable, fans, spacing, options_.boundary_angle * radians);
         result_.boundary_segments = int(segments_.size());
         if (options_.preserve_creases)
         {

@@ -400,7 +400,7 @@ struct PointRefiner
             const bool in_plane = accurate && step.precision != Precision::fuzzy;
             find_tangents(c, in_plane, ring);
             sort_fan(ring, in_plane, w.fan);
-            const float fan_gap = list_candidates(c, ring, w.fan, least_distance, w.candidates);
+            const float fan_gap = list_candidates(c, ring, w.fan, least_distance, spacing, w.candidates);
             is_open = fill_gaps(c, own, accurate, plane, gaps, front);
             // A rim stays open: keeping the radius large there would only collect neighbours.
             is_rim = fan_gap > step.boundary_angle;

@@ -45,8 +45,10 @@ Vector normal_on_curve(const Vector& nearer, const Vector& farther, const Vector
 
 } // namespace
 
-std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans, double boundary_angle)
+std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans,
+                                            const std::vector<float>& spacing, double boundary_angle)
 {
+    constexpr double longest = 2; // [spacings] what is farther apart lies on two sides of a bay
     const int n = int(usable.input.size());
     std::vector<int> next(std::size_t(n), -1), previous(std::size_t(n), -1);
     for (std::size_t i = 0; i < std::size_t(n); ++i)
@@ -64,7 +66,9 @@ std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const I
         const int j = next[std::size_t(i)];
         // The other splats of a crease end where it does: that is no rim.
         if (j >= 0 && previous[std::size_t(j)] == i && usable.sharing[std::size_t(i)] == i &&
-            !usable.is_crease[std::size_t(i)] && !usable.is_crease[std::size_t(j)])
+            !usable.is_crease[std::size_t(i)] && !usable.is_crease[std::size_t(j)] &&
+            (usable.samples.points[std::size_t(i)] - usable.samples.points[std::size_t(j)]).norm() <=
+                longest * double(spacing[std::size_t(i)]))
         {
             Segment s;
             s.a = {usable.input[std::size_t(i)], -1};

@@ -16,9 +16,9 @@ struct Segment
     int sides = 1;
 };
 
-/// Pairs of rim points that follow each other on both their fans.
+/// Pairs of rim points that follow each other on both their fans and are not far apart against the usual spacing.
 std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans,
-                                            double boundary_angle);
+                                            const std::vector<float>& spacing, double boundary_angle);
 
 /// Pairs of crease positions that are neighbours on two sides: straight on, not across.
 std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans, double crease_angle);

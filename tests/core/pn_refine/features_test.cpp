@@ -185,6 +185,26 @@ TEST(Boundaries, RaggedRimKeepsNormalsAndSpillsNowhere)
     }
 }
 
+TEST(Boundaries, NothingSpillsIntoAHoleWithARaggedRim)
+{
+    // From its rim points a hole is seen under less than half a turn, so that triangles could span it.
+    for (const int seed : {1, 2, 3})
+    {
+        const OrientedSamples sphere = shapes::sphere(3500, 1, std::uint64_t(seed));
+        OrientedSamples samples;
+        for (std::size_t i = 0; i < sphere.points.size(); ++i)
+            if (sphere.points[i].z() < 0.9)
+            {
+                samples.points.push_back(sphere.points[i]);
+                samples.normals.push_back(sphere.normals[i]);
+            }
+        const PnRefinement refined = refine_points(samples, one_thread(3));
+        EXPECT_GT(refined.points.size(), 15000u);
+        for (const Point& p : refined.points)
+            EXPECT_LT(p.z(), 0.901);
+    }
+}
+
 TEST(Holes, AreFilledSmoothlyOnDemandOnly)
 {
     const OrientedSamples sphere = shapes::sphere(3500, 1, 2);
