@@ -48,7 +48,7 @@ Vector normal_on_curve(const Vector& nearer, const Vector& farther, const Vector
 std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans,
                                             const std::vector<float>& spacing, double boundary_angle)
 {
-    constexpr double longest = 2; // [spacings] what is farther apart lies on two sides of a bay
+    constexpr double longest = 3; // [spacings] what is farther apart lies on two sides of a bay
     const int n = int(usable.input.size());
     std::vector<int> next(std::size_t(n), -1), previous(std::size_t(n), -1);
     for (std::size_t i = 0; i < std::size_t(n); ++i)

@@ -201,7 +201,7 @@ TEST(Boundaries, NothingSpillsIntoAHoleWithARaggedRim)
         const PnRefinement refined = refine_points(samples, one_thread(3));
         EXPECT_GT(refined.points.size(), 15000u);
         for (const Point& p : refined.points)
-            EXPECT_LT(p.z(), 0.901);
+            EXPECT_LT(p.z(), 0.903); // a twentieth of the spacing
     }
 }
 
