@@ -5,11 +5,13 @@
 #include <recon/crust_repair.h>
 #include <recon/delaunay.h>
 #include <recon/minimum_cut.h>
+#include <recon/neighbours.h>
 #include <recon/opposite_votes.h>
 #include <recon/parallel.h>
 #include <recon/short_handles.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -81,11 +83,58 @@ std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& sa
     return ties;
 }
 
+/// Distance of centres and difference of radii up to which large balls are alike [local scales], and the radius from
+/// which they are large: those inside thin walls differ by less and all matter.
+constexpr double like_within = 0.1, like_from_radius = 4;
+
+/// Pairs each of several large balls that are nearly the same with one of them. Those of an exact torus lie on a circle
+/// and on its axis, and every one of the circle is the neighbour of every one of the axis: the power diagram of all is
+/// quadratic.
+std::vector<std::array<int, 2>> pair_like_balls(const PolarBalls& polar, const std::vector<double>& scale, int threads)
+{
+    Points centres;
+    for (const Ball& ball : polar.balls)
+        centres.push_back(ball.centre);
+    const NeighbourSearch search(centres);
+    std::vector<char> has_like(centres.size(), 0);
+    parallel_for(centres.size(), threads, {},
+                 [&](std::size_t b)
+                 {
+                     if (polar.is_outside[b] || polar.balls[b].radius < like_from_radius * scale[b])
+                         return;
+                     int indices[2];
+                     double squared[2];
+                     const double reach = like_within * scale[b];
+                     has_like[b] = search.nearest(centres[b], 2, indices, squared) == 2 && squared[1] <= reach * reach;
+                 });
+    std::vector<std::array<int, 2>> pairs;
+    std::vector<int> around;
+    for (int b = 0; b < int(centres.size()); ++b)
+    {
+        if (!has_like[b])
+            continue;
+        const double reach = like_within * scale[b];
+        search.within(centres[b], reach, around);
+        for (const int other : around)
+            if (other != b && has_like[other] && std::abs(polar.balls[other].radius - polar.balls[b].radius) <= reach)
+            {
+                pairs.push_back({other, b});
+                has_like[other] = 0;
+            }
+    }
+    return pairs;
+}
+
 /// Pairs each ball that is no vertex of the diagram with the visible one that hides it, if they are nearly the same: on
-/// a sphere thousands of polar balls coincide, one is visible, and the samples' votes must reach it.
-std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, const std::vector<Ball>& balls)
+/// a sphere thousands of polar balls coincide, one is visible, and the samples' votes must reach it. Those in `pairs`
+/// have theirs already.
+std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, const std::vector<Ball>& balls,
+                                                  std::vector<std::array<int, 2>> pairs)
 {
     const std::vector<char> is_visible = mark_vertices(regular, int(balls.size()));
+    std::vector<char> is_paired(balls.size(), 0);
+    for (const auto& pair : pairs)
+        is_paired[pair[0]] = 1;
     std::vector<int> visible;
     Points centres;
     for (int b = 0; b < int(balls.size()); ++b)
@@ -94,13 +143,12 @@ std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, 
             visible.push_back(b);
             centres.push_back(balls[b].centre);
         }
-    std::vector<std::array<int, 2>> pairs;
-    if (visible.size() == balls.size())
+    if (visible.size() + pairs.size() == balls.size())
         return pairs;
     const BlockSearch search(centres);
     double reach = 0;
     for (int b = 0; b < int(balls.size()); ++b)
-        if (!is_visible[b])
+        if (!is_visible[b] && !is_paired[b])
         {
             int nearest;
             double squared;
@@ -289,11 +337,15 @@ Labels find_labels(KeptBalls kept, const Points& samples, const Vectors& normals
                    PhaseTimes& times, const Progress& progress)
 {
     times.begin("power diagram");
-    PowerDiagram diagram(kept.polar.balls);
+    std::vector<std::array<int, 2>> twins = pair_like_balls(kept.polar, kept.scale, options.threads);
+    std::vector<char> is_left_out(kept.polar.balls.size(), 0);
+    for (const auto& pair : twins)
+        is_left_out[pair[0]] = 1;
+    PowerDiagram diagram(kept.polar.balls, is_left_out);
     Triangulation regular = diagram.triangulation(options.threads, progress.part(0, 0.5, "power diagram"));
 
     times.begin("labels");
-    std::vector<std::array<int, 2>> twins = pair_hidden_balls(regular, kept.polar.balls);
+    twins = pair_hidden_balls(regular, kept.polar.balls, std::move(twins));
     SignedGraph graph =
         link_balls(regular, kept, twins, !normals.empty(), options, progress.part(0.5, 0.8, "attraction of balls"));
     std::vector<Side> labels;

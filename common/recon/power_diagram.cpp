@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 
 namespace recon
 {
@@ -21,7 +20,7 @@ double pseudo_random(std::uint64_t index)
 
 } // namespace
 
-PowerDiagram::PowerDiagram(const std::vector<Ball>& balls) : present_(balls.size())
+PowerDiagram::PowerDiagram(const std::vector<Ball>& balls, const std::vector<char>& is_left_out)
 {
     centres_.reserve(balls.size());
     weights_.reserve(balls.size());
@@ -29,8 +28,9 @@ PowerDiagram::PowerDiagram(const std::vector<Ball>& balls) : present_(balls.size
     {
         centres_.push_back(balls[i].centre);
         weights_.push_back(balls[i].radius * balls[i].radius * (1 - 1e-9 * pseudo_random(i)));
+        if (is_left_out.empty() || !is_left_out[i])
+            present_.push_back(int(i));
     }
-    std::iota(present_.begin(), present_.end(), 0);
 }
 
 Triangulation PowerDiagram::triangulation(int threads, const Progress& progress)

@@ -22,8 +22,9 @@ struct Ball
 class PowerDiagram
 {
 public:
+    /// \param is_left_out per ball, if not empty: no member of the diagram, as if hidden.
     /// \pre at least 4 centres are affinely independent; coordinates of the order of 1 (UnitFrame).
-    explicit PowerDiagram(const std::vector<Ball>& balls);
+    explicit PowerDiagram(const std::vector<Ball>& balls, const std::vector<char>& is_left_out = {});
 
     /// The dual triangulation, the same for any number of threads; vertices are indices of the balls, hidden balls are
     /// vertices of no cell. \throws Cancelled.

@@ -290,6 +290,24 @@ TEST(LabelPolarBalls, TellsInnerFromOuterBallsOfATorus)
     }
 }
 
+TEST(LabelPolarBalls, OneBallStandsForThoseThatAreAlike)
+{
+    // The balls of an exact torus lie on a circle and on its axis, each of the one kind beside all of the other.
+    PhaseTimes times;
+    const LabelledBalls torus = label_polar_balls(shapes::torus(8000, major, minor, 1).points, {}, {}, times);
+    const std::vector<char> is_visible = mark_vertices(torus.regular, int(torus.labels.size()));
+    EXPECT_LT(std::count(is_visible.begin(), is_visible.end(), 1), 0.7 * double(is_visible.size()));
+    for (const auto& [hidden, stands_for_it] : torus.twins)
+    {
+        EXPECT_FALSE(is_visible[hidden]);
+        EXPECT_EQ(torus.labels[hidden], torus.labels[stands_for_it]);
+    }
+    const TriangleMesh crust = extract_crust(torus.regular, torus.labels);
+    EXPECT_EQ(measure_closed_topology(crust).genus(), 1);
+    for (const Point& p : crust.vertices)
+        EXPECT_LT(shapes::distance_to_torus(p, major, minor), 0.02 * minor);
+}
+
 TEST(ExtractCrust, IsAClosedOrientedManifoldForAnyLabels)
 {
     // Even labels that mean nothing give a manifold: it is one by construction.
