@@ -4,10 +4,8 @@
 #include <recon/errors.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/patch_fit.h>
 #include <recon/spatial_order.h>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +64,10 @@ double middle_of(double* values, int count)
     return values[count / 2];
 }
 
-double median(std::vector<double> values) { return middle_of(values.data(), int(values.size())); }
+double median(std::vector<double> values)
+{
+    return middle_of(values.data(), int(values.size()));
+}
 
 } // namespace
 
@@ -92,7 +93,7 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int smallest_count = 18; // three points per coefficient of the quadric
+constexpr int smallest_count = 3 * patch_coefficients;
 constexpr int largest_count = 6000;
 constexpr int many = 150; // neighbours; beyond it a subsample does
 constexpr double growth = 1.5;
@@ -110,71 +111,11 @@ constexpr double largest_excess = 1.2;
 constexpr double region_share = 0.2; // of the seeds
 constexpr int region_stride = 8;     // of its seeds so many that one is asked
 
-struct QuadricFit
-{
-    double residual; ///< Root mean square.
-    double kurtosis; ///< Of the residuals: 3 for Gaussian noise, below 2 for two sheets taken for one.
-    Point foot;      ///< Of the first neighbour, along the normal of the principal frame.
-};
-
-/// Best quadric over the first `count` neighbours, in their principal frame; `seed` is where its foot is wanted.
-QuadricFit fit_quadric(const Points& points, const Point& seed, const int* neighbours, int count, double radius)
-{
-    constexpr int coefficients = 6;
-    if (count <= coefficients || !(radius > 0))
-        return {0, 3, seed};
-    Vector mean = Vector::Zero();
-    for (int i = 0; i < count; ++i)
-        mean += points[neighbours[i]] - seed;
-    mean /= count;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (int i = 0; i < count; ++i)
-    {
-        const Vector d = (points[neighbours[i]] - seed - mean) / radius;
-        covariance += d * d.transpose();
-    }
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(covariance);
-    const Eigen::Matrix3d frame = solver.eigenvectors();
-
-    using Row = Eigen::Matrix<double, coefficients, 1>;
-    const auto row_at = [](const Vector& u)
-    {
-        Row row;
-        row << 1, u[1], u[2], u[1] * u[1], u[1] * u[2], u[2] * u[2];
-        return row;
-    };
-    Eigen::Matrix<double, coefficients, coefficients> normal_matrix;
-    normal_matrix.setZero();
-    Row right = Row::Zero();
-    for (int i = 0; i < count; ++i)
-    {
-        const Vector u = frame.transpose() * ((points[neighbours[i]] - seed - mean) / radius);
-        const Row row = row_at(u);
-        normal_matrix += row * row.transpose();
-        right += row * u[0];
-    }
-    // Keeps collinear neighbours (scan lines) solvable; far below any noise.
-    normal_matrix.diagonal().array() += 1e-12 * count;
-    const Row solution = normal_matrix.ldlt().solve(right);
-    double second = 0, fourth = 0;
-    for (int i = 0; i < count; ++i)
-    {
-        const Vector u = frame.transpose() * ((points[neighbours[i]] - seed - mean) / radius);
-        const double r = u[0] - row_at(u).dot(solution), square = r * r;
-        second += square;
-        fourth += square * square;
-    }
-    const Vector at_seed = frame.transpose() * (-mean / radius);
-    const double height = std::clamp(row_at(at_seed).dot(solution) - at_seed[0], -1.0, 1.0);
-    return {radius * std::sqrt(second / (count - coefficients)), second > 0 ? count * fourth / (second * second) : 3,
-            seed + radius * height * frame.col(0)};
-}
-
 struct Local
 {
     double sigma, density;
     bool settled = true;
+    double sheet_sigma = -1; ///< Of each of two sheets; negative if there are not two.
 };
 
 /// What a Gaussian slab shows inside a ball of radius R around its middle: at height z the ball cuts a disc of area
@@ -216,7 +157,8 @@ struct Pyramid
 class ScaleLadder
 {
 public:
-    explicit ScaleLadder(const Pyramid& pyramid) : pyramid_(pyramid), neighbours_(largest_count), squared_(largest_count)
+    explicit ScaleLadder(const Pyramid& pyramid)
+        : pyramid_(pyramid), neighbours_(largest_count), squared_(largest_count)
     {
         const int all = int(pyramid.levels[0].size());
         // Of a small cloud take a part, or the quadric would have to follow the whole shape.
@@ -252,7 +194,8 @@ public:
         // A thin part is as flat as a thick layer of noise, but its residuals keep to both faces.
         const double n = count_ / share_, doubt = std::max(0.5, 1.2 * std::sqrt(24 / n));
         const bool gaussian = fit_.kurtosis >= 3 * (n - 1) / (n + 1) - doubt;
-        return {std::sqrt(variance), wide.density, gaussian && wide.sigma <= settled * narrow.sigma};
+        return {std::sqrt(variance), wide.density, gaussian && wide.sigma <= settled * narrow.sigma,
+                radius_ * fit_two_sheets(residuals_)};
     }
 
 private:
@@ -264,7 +207,8 @@ private:
     Wanted wanted(double k) const
     {
         Wanted w{0, 1, 0};
-        for (double c = k; c > many && w.level + 1 < pyramid_.levels.size(); c /= Pyramid::step, w.share *= Pyramid::step)
+        for (double c = k; c > many && w.level + 1 < pyramid_.levels.size();
+             c /= Pyramid::step, w.share *= Pyramid::step)
             ++w.level;
         w.count = std::max(1, std::min(int(k), limit_) / w.share);
         return w;
@@ -282,8 +226,7 @@ private:
         reach_count_ = count * now.share;
         level_ = now.level;
         centre_ = centre;
-        found_ = pyramid_.searches[level_].nearest(centre, count,
-                                                   neighbours_.data(), squared_.data(), reach_);
+        found_ = pyramid_.searches[level_].nearest(centre, count, neighbours_.data(), squared_.data(), reach_);
     }
 
     void measure(const Point& centre, double k, double largest)
@@ -292,7 +235,7 @@ private:
         const Wanted w = wanted(k);
         const int count = std::min(w.count, found_);
         radius_ = std::sqrt(squared_[count - 1]);
-        fit_ = fit_quadric(pyramid_.levels[level_], centre, neighbours_.data(), count, radius_);
+        fit_ = fit_patch(pyramid_.levels[level_], centre, neighbours_.data(), count, radius_, residuals_);
         count_ = count * w.share;
         share_ = w.share;
     }
@@ -301,7 +244,8 @@ private:
     std::vector<int> neighbours_;
     std::vector<double> squared_;
     int limit_ = 0;
-    QuadricFit fit_{};
+    PatchFit fit_{};
+    std::vector<PatchResidual> residuals_; ///< Of the last fit.
     double radius_ = 0;
     int count_ = 0, share_ = 1;
     Point centre_ = Point::Zero(); ///< Of the neighbours at hand.
@@ -368,30 +312,38 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     std::vector<double> sigma(m), density(m);
     const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
     const double scale = frame.scale();
-    parallel_chunks(std::size_t(m), threads, 32, {},
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        std::vector<int> near(region);
-                        std::vector<double> squared(region), values(region);
-                        const auto median_near = [&](const NeighbourSearch& search, const Point& p, int wanted, auto value)
-                        {
-                            const int count = search.nearest(p, wanted, near.data(), squared.data());
-                            for (int k = 0; k < count; ++k)
-                                values[k] = value(near[k]);
-                            return middle_of(values.data(), count);
-                        };
-                        for (std::size_t i = begin; i < end; ++i)
-                        {
-                            const double local = median_near(settled_search, seeds[i], smoothing_seeds,
-                                                             [&](int k) { return raw[settled_index[k]].sigma; });
-                            const double around = median_near(region_search, seeds[i], region,
-                                                              [&](int k) { return region_sigma[k]; });
-                            sigma[i] = truncation * scale * std::min(local, largest_excess * around);
-                            density[i] = median_near(seed_search, seeds[i], smoothing_seeds,
-                                                     [&](int k) { return raw[k].density; }) /
-                                         scale / scale;
-                        }
-                    });
+    parallel_chunks(
+        std::size_t(m), threads, 32, {},
+        [&](std::size_t begin, std::size_t end)
+        {
+            std::vector<int> near(region);
+            std::vector<double> squared(region), values(region);
+            const auto median_near = [&](const NeighbourSearch& search, const Point& p, int wanted, auto value)
+            {
+                const int count = search.nearest(p, wanted, near.data(), squared.data());
+                for (int k = 0; k < count; ++k)
+                    values[k] = value(near[k]);
+                return middle_of(values.data(), count);
+            };
+            for (std::size_t i = begin; i < end; ++i)
+            {
+                const double local = median_near(settled_search, seeds[i], smoothing_seeds,
+                                                 [&](int k) { return raw[settled_index[k]].sigma; });
+                const double around =
+                    median_near(region_search, seeds[i], region, [&](int k) { return region_sigma[k]; });
+                sigma[i] = truncation * scale * std::min(local, largest_excess * around);
+                const int asked = seed_search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
+                int with_sheets = 0;
+                for (int k = 0; k < asked; ++k)
+                    if (raw[near[k]].sheet_sigma >= 0)
+                        values[with_sheets++] = raw[near[k]].sheet_sigma;
+                if (2 * with_sheets > asked)
+                    sigma[i] = std::min(sigma[i], scale * middle_of(values.data(), with_sheets));
+                density[i] =
+                    median_near(seed_search, seeds[i], smoothing_seeds, [&](int k) { return raw[k].density; }) / scale /
+                    scale;
+            }
+        });
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(sigma), std::move(density));
 }

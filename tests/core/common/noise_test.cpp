@@ -91,6 +91,23 @@ TEST(EstimateNoise, IsNotMisledByARodFilledWithNoise)
     EXPECT_LT(*std::max_element(on_rod.begin(), on_rod.end()), 1.5 * sigma);
 }
 
+TEST(EstimateNoise, TellsThinPlatesFromLayersOfNoise)
+{
+    struct Case
+    {
+        double wall, noise, largest;
+    };
+    // One sample a unit of area. Half of the wall's thickness would be 0.75 and 1.
+    for (const Case& one :
+         {Case{1.5, 0, 0.02}, Case{1.5, 0.1, 0.13}, Case{1.5, 0.3, 0.36}, Case{2, 0.1, 0.3}, Case{2, 0.3, 0.4}})
+    {
+        const Points plate = shapes::box(int(5000 + 200 * one.wall), Vector(50, 50, one.wall), 1).points;
+        const double sigma = estimate_noise(shapes::with_noise(plate, one.noise, 2)).median_sigma();
+        EXPECT_GE(sigma, 0.8 * one.noise) << one.wall << ' ' << one.noise;
+        EXPECT_LE(sigma, one.largest) << one.wall << ' ' << one.noise;
+    }
+}
+
 TEST(EstimateNoise, FollowsDensityThatVaries)
 {
     // Of the half x > 0 one point in ten.

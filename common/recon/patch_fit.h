@@ -1,0 +1,39 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Coefficients of the quadric, and with them the fewest points that determine it.
+constexpr int patch_coefficients = 6;
+
+/// Height of a neighbour over the best quadric, and its place in the principal frame [radii].
+struct PatchResidual
+{
+    Vector place; ///< Component 0 along the normal.
+    double height;
+};
+
+/// A quadric height field over neighbours of a point.
+struct PatchFit
+{
+    double residual; ///< Root mean square [length].
+    double kurtosis; ///< Of the residuals: 3 for Gaussian noise, below 2 for two sheets taken for one.
+    Point foot;      ///< Of the first neighbour, along the normal of the principal frame.
+};
+
+/// Best quadric over the first `count` neighbours, in their principal frame; `seed` is where its foot is wanted.
+/// \param radius of the neighbourhood [length]. \param residuals replaced; empty if there are too few neighbours.
+PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbours, int count, double radius,
+                   std::vector<PatchResidual>& residuals);
+
+/// Noise of each of two parallel sheets a few times the noise apart on which the neighbours lie, as those of a thin
+/// plate [radii]; negative if they do not. With a step between the sheets the quadric leaves less than half of what it
+/// leaves without (0.6 for Gaussian noise), and neighbours along the surface are as often on different sheets as on the
+/// same; what a quadric cannot follow changes sign slowly.
+double fit_two_sheets(const std::vector<PatchResidual>& residuals);
+
+} // namespace recon
