@@ -12,6 +12,7 @@ namespace recon
 namespace
 {
 
+constexpr double pi = 3.14159265358979323846;
 constexpr int coefficients = patch_coefficients;
 using Row = Eigen::Matrix<double, coefficients, 1>;
 
@@ -84,6 +85,7 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
     constexpr double none = -1;
     constexpr int fewest = 3 * coefficients, rounds = 3;
     constexpr double left_by_sheets = 0.5, largest_agreement = 0.65;
+    constexpr double smallest_step = 1.3; // spacings of both together; scans out of register are nearer
     const int n = int(residuals.size());
     if (n < fewest)
         return none;
@@ -95,7 +97,7 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
         is_above.push_back(r.height > 0);
     }
     using LongRow = Eigen::Matrix<double, coefficients + 1, 1>;
-    double after = 0;
+    double after = 0, step = 0;
     for (int round = 0; round < rounds; ++round)
     {
         const auto long_row = [&](std::size_t i)
@@ -105,6 +107,7 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
             return row;
         };
         const LongRow solution = solve_for_heights<coefficients + 1>(residuals, long_row);
+        step = 2 * solution[coefficients];
         after = 0;
         for (std::size_t i = 0; i < residuals.size(); ++i)
         {
@@ -114,6 +117,9 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
         }
     }
     if (after / (n - coefficients - 1) > left_by_sheets * left_by_sheets * before / (n - coefficients))
+        return none;
+    const double spacing = std::sqrt(pi / n);
+    if (step < smallest_step * spacing)
         return none;
     // Of the fewer ones: a ball around one sheet cuts a smaller disc out of the other.
     const char fewer = 2 * std::count(is_above.begin(), is_above.end(), 1) <= n;

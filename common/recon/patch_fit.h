@@ -33,7 +33,8 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
 /// Noise of each of two parallel sheets a few times the noise apart on which the neighbours lie, as those of a thin
 /// plate [radii]; negative if they do not. With a step between the sheets the quadric leaves less than half of what it
 /// leaves without (0.6 for Gaussian noise), and neighbours along the surface are as often on different sheets as on the
-/// same; what a quadric cannot follow changes sign slowly.
+/// same; what a quadric cannot follow changes sign slowly. Sheets nearer than 1.3 spacings may be scans out of
+/// register, which are one.
 double fit_two_sheets(const std::vector<PatchResidual>& residuals);
 
 } // namespace recon
