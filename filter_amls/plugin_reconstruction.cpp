@@ -45,6 +45,7 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Reconstr
         {"open", found.surface.open},
     };
     plugin::append_seconds(result, found.seconds);
+    result.warnings = std::move(found.warnings);
 
     plugin::NewLayer surface;
     surface.name = "AMLS surface of " + plugin::name_without_ending(layer);

@@ -129,7 +129,10 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     crust.target_vertices = result.samples;
     crust.interpolated = &found->samples;
     crust.threads = labelling.threads;
-    result.mesh = make_crust(found->labelled, crust, progress.part(0.75, 0.85, "crust"));
+    DroppedBodies dropped;
+    result.mesh = make_crust(found->labelled, crust, progress.part(0.75, 0.85, "crust"), &dropped);
+    if (const std::string text = describe(dropped); !text.empty())
+        result.warnings.push_back(text);
     found->frame.from_unit_in_place(result.mesh.vertices);
     if (!is_exact)
     {

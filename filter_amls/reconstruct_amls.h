@@ -33,6 +33,7 @@ struct AmlsReconstruction
     int euler_characteristic = 0;
     int genus = 0;             ///< Summed over the components.
     double violated_votes = 0; ///< Share of the samples' votes that the mesh contradicts [0..1].
+    std::vector<std::string> warnings; ///< In words for the user.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };
 

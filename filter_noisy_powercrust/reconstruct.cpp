@@ -49,8 +49,10 @@ void trim(TriangleMesh& mesh, const BlockSearch& search, const Points& samples, 
     keep_triangles(mesh, keep);
 }
 
-void warn(NoisyPowerCrust& result)
+void warn(NoisyPowerCrust& result, const DroppedBodies& dropped)
 {
+    if (const std::string text = describe(dropped); !text.empty())
+        result.warnings.push_back(text);
     if (result.violated_votes > safe_violation)
         result.warnings.push_back("The points contradict the surface in " +
                                   std::to_string(int(std::lround(100 * result.violated_votes))) +
@@ -114,7 +116,8 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         crust.interpolated = &cloud.samples;
     crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
-    mesh = make_crust(labelled, crust, progress.part(0.75, 0.9, "crust"));
+    DroppedBodies dropped;
+    mesh = make_crust(labelled, crust, progress.part(0.75, 0.9, "crust"), &dropped);
     if (options.smooth && cloud.surface && !through_samples)
     {
         times.begin("smooth");
@@ -144,7 +147,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.euler_characteristic = topology.euler_characteristic;
     result.genus = topology.genus();
     frame.from_unit_in_place(mesh.vertices);
-    warn(result);
+    warn(result, dropped);
     times.end();
     result.seconds = times.seconds();
     return result;

@@ -6,6 +6,7 @@
 #include <recon/interpolate_samples.h>
 #include <recon/weld_clusters.h>
 
+#include <cmath>
 #include <utility>
 
 namespace recon
@@ -57,7 +58,8 @@ TriangleMesh simplify(CrustPolygons polygons, const LabelledBalls& labelled, con
 
 } // namespace
 
-TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress)
+TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress,
+                        DroppedBodies* dropped)
 {
     CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels, options.threads);
     if (polygons.corners.empty())
@@ -68,9 +70,24 @@ TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& optio
                                          : triangulate_polygons(polygons, options.threads);
     // After the collapse, which leaves a tenth of the triangles.
     if (options.keep_components == KeepComponents::largest)
-        keep_largest_component(mesh);
+    {
+        const DroppedBodies bodies = keep_largest_component(mesh);
+        if (dropped)
+            *dropped = bodies;
+    }
     progress.report(1);
     return mesh;
+}
+
+std::string describe(const DroppedBodies& dropped)
+{
+    constexpr double worth_a_word = 0.05;
+    if (dropped.volume < worth_a_word)
+        return {};
+    return std::to_string(dropped.count) +
+           (dropped.count == 1 ? " other body or hollow was" : " other bodies or hollows were") + " left out, with " +
+           std::to_string(int(std::lround(100 * dropped.volume))) +
+           " % of the volume of the largest. To keep all, set keep_components to all.";
 }
 
 } // namespace recon

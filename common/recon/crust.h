@@ -1,9 +1,12 @@
 #pragma once
 
+#include <recon/crust_mesh.h>
 #include <recon/labelled_balls.h>
 
 #include <recon/geometry.h>
 #include <recon/progress.h>
+
+#include <string>
 
 namespace recon
 {
@@ -26,7 +29,12 @@ struct CrustOptions
 };
 
 /// Crust of labelled balls, in the unit frame: extracted, stray shells dropped, short edges collapsed. A closed
-/// oriented manifold. \throws AlgorithmFailure if no inner ball is left. \throws Cancelled.
-TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress = {});
+/// oriented manifold. \param dropped with KeepComponents::largest what was left out. \throws AlgorithmFailure if no
+/// inner ball is left. \throws Cancelled.
+TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress = {},
+                        DroppedBodies* dropped = nullptr);
+
+/// What a user should know of it, empty if that is nothing.
+std::string describe(const DroppedBodies& dropped);
 
 } // namespace recon

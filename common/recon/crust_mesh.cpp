@@ -56,7 +56,10 @@ void write_fan(const Points& vertices, const std::vector<int>& polygon, std::siz
 
 constexpr std::size_t grain = 8192;
 
-std::size_t chunk_count(std::size_t items) { return (items + grain - 1) / grain; }
+std::size_t chunk_count(std::size_t items)
+{
+    return (items + grain - 1) / grain;
+}
 
 template <class Item>
 void append(std::vector<Item>& whole, const std::vector<Item>& part)
@@ -64,8 +67,8 @@ void append(std::vector<Item>& whole, const std::vector<Item>& part)
     whole.insert(whole.end(), part.begin(), part.end());
 }
 
-/// Cells with both labels. In the order of a coarse Z-order curve: cells are numbered by their balls, and a ball can touch both
-/// sides of a body, so that neighbours on the surface would lie far apart in memory.
+/// Cells with both labels. In the order of a coarse Z-order curve: cells are numbered by their balls, and a ball can
+/// touch both sides of a body, so that neighbours on the surface would lie far apart in memory.
 std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
     std::vector<std::vector<int>> chunks(chunk_count(std::size_t(regular.finite_cells)));
@@ -100,7 +103,8 @@ std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vecto
         return code;
     };
     std::vector<unsigned> code(found.size());
-    parallel_for(found.size(), threads, {}, [&](std::size_t i) { code[i] = bucket(regular.centres[found[i]]); }, grain);
+    parallel_for(
+        found.size(), threads, {}, [&](std::size_t i) { code[i] = bucket(regular.centres[found[i]]); }, grain);
     std::vector<int> first((std::size_t(1) << (3 * bits)) + 1, 0), sorted(found.size());
     for (const unsigned c : code)
         ++first[c + 1];
@@ -244,8 +248,9 @@ std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& kee
     return former;
 }
 
-std::vector<int> keep_largest_component(TriangleMesh& mesh)
+DroppedBodies keep_largest_component(TriangleMesh& mesh)
 {
+    constexpr double smallest_body = 0.01;
     const MeshComponents components = find_components(mesh);
     std::vector<double> volume(std::size_t(components.count), 0);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
@@ -258,7 +263,17 @@ std::vector<int> keep_largest_component(TriangleMesh& mesh)
     std::vector<char> keep;
     for (const int component : components.of_triangle)
         keep.push_back(component == largest);
-    return keep_triangles(mesh, keep);
+    keep_triangles(mesh, keep);
+    DroppedBodies dropped;
+    for (int component = 0; component < components.count; ++component)
+    {
+        const double share = std::abs(volume[component]) / volume[largest];
+        if (component == largest || !(share >= smallest_body))
+            continue;
+        ++dropped.count;
+        dropped.volume += share;
+    }
+    return dropped;
 }
 
 Topology measure_topology(const TriangleMesh& mesh)

@@ -10,8 +10,8 @@ namespace recon
 {
 
 /// The power crust as polygons: all faces of the power diagram between an inner and an outer cell (Mederos et al. 2005,
-/// algorithm 4.1 step 6), turned outward. One vertex per regular cell with both labels, never welded by coordinates, so it is
-/// a closed oriented 2-manifold by construction.
+/// algorithm 4.1 step 6), turned outward. One vertex per regular cell with both labels, never welded by coordinates, so
+/// it is a closed oriented 2-manifold by construction.
 struct CrustPolygons
 {
     Points vertices;
@@ -20,7 +20,8 @@ struct CrustPolygons
     std::vector<int> corners;     ///< Indices of vertices.
 };
 
-/// \param regular of the power diagram. \pre balls on its hull are outer. \returns no polygon if all labels are the same.
+/// \param regular of the power diagram. \pre balls on its hull are outer. \returns no polygon if all labels are the
+/// same.
 CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1);
 
 /// Polygons as fans of triangles, from the corner with the best worst one; their diagonals are faux edges.
@@ -41,8 +42,16 @@ MeshComponents find_components(const TriangleMesh& mesh);
 /// \returns for each vertex that is left its former index.
 std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& keep);
 
-/// Keeps the component with the largest enclosed volume. \returns as keep_triangles().
-std::vector<int> keep_largest_component(TriangleMesh& mesh);
+/// Components that were left out and enclose a hundredth of the volume of the one kept, or more; of a hollow the volume
+/// counts too.
+struct DroppedBodies
+{
+    int count = 0;
+    double volume = 0; ///< In volumes of the one kept.
+};
+
+/// Keeps the component with the largest enclosed volume, and only the vertices it uses.
+DroppedBodies keep_largest_component(TriangleMesh& mesh);
 
 /// What a manifold mesh without unused vertices is, topologically.
 struct Topology

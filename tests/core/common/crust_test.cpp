@@ -396,7 +396,9 @@ TEST(KeepLargestComponent, KeepsTheOneThatEnclosesMost)
         for (const auto& f : faces)
             mesh.triangles.push_back({f[0] + base, f[1] + base, f[2] + base});
     }
-    keep_largest_component(mesh);
+    const DroppedBodies dropped = keep_largest_component(mesh);
+    EXPECT_EQ(dropped.count, 2);
+    EXPECT_NEAR(dropped.volume, (8.0 + 1) / 27, 1e-9);
     EXPECT_EQ(mesh.vertices.size(), 4u);
     EXPECT_NEAR(checks::examine_mesh(mesh).volume, 27.0 / 6, 1e-9);
 }

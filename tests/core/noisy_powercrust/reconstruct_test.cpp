@@ -109,7 +109,8 @@ TEST(NoisyPowerCrust, DenoisesOnlyWhatIsNoisy)
         if (crust.denoised)
         {
             // At least as accurate as the points as they are: half the error.
-            EXPECT_LT(rms(crust.mesh, c.distance), 0.6 * rms(reconstruct_noisy_power_crust(c.points, raw).mesh, c.distance));
+            EXPECT_LT(rms(crust.mesh, c.distance),
+                      0.6 * rms(reconstruct_noisy_power_crust(c.points, raw).mesh, c.distance));
         }
         EXPECT_LE(crust.mesh.triangles.size(), 2.1 * crust.samples);
     }
@@ -206,7 +207,8 @@ TEST(NoisyPowerCrust, IsTheSameAtAnyOffsetAndScale)
 {
     const Points points = shapes::with_noisy_copies(shapes::torus(2000, 1, 0.4, 5).points, 0.01, 4, 6);
     const NoisyPowerCrust expected = reconstruct_noisy_power_crust(points);
-    for (const auto& [scale, offset] : {std::pair(1.0, 5e6), std::pair(1e-6, 0.0), std::pair(1e-30, 0.0), std::pair(1e30, 0.0)})
+    for (const auto& [scale, offset] :
+         {std::pair(1.0, 5e6), std::pair(1e-6, 0.0), std::pair(1e-30, 0.0), std::pair(1e30, 0.0)})
     {
         Points moved = points;
         for (Point& p : moved)
@@ -215,8 +217,8 @@ TEST(NoisyPowerCrust, IsTheSameAtAnyOffsetAndScale)
         EXPECT_EQ(crust.euler_characteristic, expected.euler_characteristic);
         EXPECT_EQ(crust.denoised, expected.denoised);
         EXPECT_NEAR(crust.noise / scale, expected.noise, 0.01 * expected.noise);
-        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume / std::pow(scale, 3), checks::examine_mesh(expected.mesh).volume,
-                    0.002);
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume / std::pow(scale, 3),
+                    checks::examine_mesh(expected.mesh).volume, 0.002);
     }
 }
 
@@ -244,10 +246,15 @@ TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
     for (const Point& p : shapes::sphere(1500, 0.5, 6).points)
         points.push_back(p + Point(4, 0, 0));
     NoisyPowerCrustOptions options;
-    EXPECT_EQ(reconstruct_noisy_power_crust(points, options).components, 1);
+    const NoisyPowerCrust larger = reconstruct_noisy_power_crust(points, options);
+    EXPECT_EQ(larger.components, 1);
+    ASSERT_EQ(larger.warnings.size(), 1u);
+    EXPECT_NE(larger.warnings[0].find("1 other body or hollow was left out, with 12 %"), std::string::npos)
+        << larger.warnings[0];
     options.keep_components = KeepComponents::all;
     const NoisyPowerCrust both = reconstruct_noisy_power_crust(points, options);
     EXPECT_EQ(both.components, 2);
+    EXPECT_TRUE(both.warnings.empty());
     EXPECT_NEAR(checks::examine_mesh(both.mesh).volume, 4 * pi / 3 * 1.125, 0.1);
 }
 
@@ -365,9 +372,11 @@ TEST(NoisyPowerCrust, RefusesWhatItCannotUse)
     const Points torus = shapes::torus(4000, 1, 0.4, 1).points;
     EXPECT_TRUE(says(message(shapes::with_noise(torus, 0.01, 1), options), "ball_threshold"));
     EXPECT_TRUE(says(message(shapes::with_noisy_copies(torus, 0.02, 4, 1), options), "ball_threshold"));
-    for (const auto& spoil : std::vector<std::function<void(NoisyPowerCrustOptions&)>>{
-             [](auto& o) { o.ball_threshold = -1; }, [](auto& o) { o.noise = -1; }, [](auto& o) { o.deep_intersection = 1.5; },
-             [](auto& o) { o.trim_length = -1; }, [](auto& o) { o.threads = -2; }})
+    for (const auto& spoil :
+         std::vector<std::function<void(NoisyPowerCrustOptions&)>>{
+             [](auto& o) { o.ball_threshold = -1; }, [](auto& o) { o.noise = -1; },
+             [](auto& o) { o.deep_intersection = 1.5; }, [](auto& o) { o.trim_length = -1; },
+             [](auto& o) { o.threads = -2; }})
     {
         NoisyPowerCrustOptions bad;
         spoil(bad);
@@ -400,15 +409,16 @@ TEST(NoisyPowerCrust, ReportsProgressAndStopsAnywhere)
     double last = -1;
     int calls = 0;
     reconstruct_noisy_power_crust(points, options,
-                                  Progress([&](double fraction, const std::string& phase)
-                                           {
-                                               EXPECT_GE(fraction, last);
-                                               EXPECT_LE(fraction, 1);
-                                               EXPECT_FALSE(phase.empty());
-                                               last = fraction;
-                                               ++calls;
-                                               return true;
-                                           }));
+                                  Progress(
+                                      [&](double fraction, const std::string& phase)
+                                      {
+                                          EXPECT_GE(fraction, last);
+                                          EXPECT_LE(fraction, 1);
+                                          EXPECT_FALSE(phase.empty());
+                                          last = fraction;
+                                          ++calls;
+                                          return true;
+                                      }));
     EXPECT_GT(last, 0.95);
     ASSERT_GT(calls, 10);
     for (int stop = 1; stop < calls; stop += std::max(1, calls / 12))
