@@ -25,6 +25,8 @@ constexpr double clearly_better = 0.5;
 /// Shares of points missed and of bare area above which a denoised crust has lost walls: they read as noise, a lid
 /// closes the cup, and no vote objects. Right crusts miss points by mere noise, or are bare where a scan is open.
 constexpr double buried_points = 0.015, bare_lid = 0.02;
+/// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther apart.
+constexpr double least_of_walls = 0.2;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
 /// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
 constexpr double found_again = 0.25, hopeless = 0.4;
@@ -82,7 +84,8 @@ public:
     /// A denoised cloud whose crust has lost walls, denoised as if it had less noise.
     LabelledCloud look_for_walls(LabelledCloud first, const Progress& progress)
     {
-        if (points_.size() > most_points_twice)
+        const double spacing = first.labelled.spacing * first.cloud.frame.scale();
+        if (points_.size() > most_points_twice || first.cloud.noise < least_of_walls * spacing)
             return first;
         TriangleMesh crust = extract(first);
         Mismatch mismatch;
