@@ -26,10 +26,10 @@ constexpr double clearly_better = 0.5;
 /// closes the cup, and no vote objects. Right crusts miss points by mere noise, or are bare where a scan is open.
 constexpr double buried_points = 0.015, bare_lid = 0.02;
 /// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther apart.
-constexpr double least_of_walls = 0.2;
+constexpr double least_of_walls = 0.1;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
 /// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
-constexpr double found_again = 0.25, hopeless = 0.4;
+constexpr double found_again = 0.25, hopeless = 0.45;
 /// Above this number of points two attempts are not kept side by side [count].
 constexpr std::size_t most_points_twice = 1'000'000;
 
