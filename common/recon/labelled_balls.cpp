@@ -368,7 +368,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     if (options.share_balls && !oriented && !options.fine)
     {
         Poles shared = found.poles;
-        share_poles(found.delaunay, samples, found.scale.scale, shared);
+        share_poles(found.delaunay, samples, shared);
         result = find_labels(keep_balls(samples, found, shared, options), samples, normals, options, times,
                              progress.part(0.35, 0.6, "labels"));
         if (result->balls.violated_votes > calm_votes)

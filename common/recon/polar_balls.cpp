@@ -116,10 +116,9 @@ void find_slant_poles(const Triangulation& delaunay, const Points& samples, Pole
                     });
 }
 
-void share_poles(const Triangulation& delaunay, const Points& samples, const std::vector<double>& scale, Poles& poles)
+void share_poles(const Triangulation& delaunay, const Points& samples, Poles& poles)
 {
-    constexpr double smallest_cosine = 0.9, smallest_ratio = 0.5, largest_power = 0.01;
-    constexpr int most_cells = 256; // else cospherical samples that have other poles are visited again and again
+    constexpr double smallest_cosine = 0.9, smallest_ratio = 0.5;
     const int n = int(samples.size()) - box_corner_count;
     std::vector<std::array<char, 2>> is_settled(std::size_t(n), {0, 0});
     const auto offer = [&](int c, int v)
@@ -129,7 +128,8 @@ void share_poles(const Triangulation& delaunay, const Points& samples, const std
         for (int side = 0; side < 2; ++side)
         {
             int& own = poles.cells[v][side];
-            if (is_settled[v][side] || own == Poles::none || (!poles.slant.empty() && poles.slant[v][side] != Poles::none))
+            if (is_settled[v][side] || own == Poles::none ||
+                (!poles.slant.empty() && poles.slant[v][side] != Poles::none))
                 continue;
             const Vector own_offset = delaunay.centres[own] - samples[v];
             const double own_squared = own_offset.squaredNorm(), along = offset.dot(own_offset);
@@ -140,7 +140,6 @@ void share_poles(const Triangulation& delaunay, const Points& samples, const std
             is_settled[v][side] = 1;
         }
     };
-    std::vector<int> seen_from(std::size_t(delaunay.finite_cells), Poles::none), cells;
     for (int v = 0; v < n; ++v)
         for (int side = 0; side < 2; ++side)
         {
@@ -148,25 +147,9 @@ void share_poles(const Triangulation& delaunay, const Points& samples, const std
             if (is_settled[v][side] || pole == Poles::none)
                 continue;
             is_settled[v][side] = 1;
-            const Point& centre = delaunay.centres[pole];
-            const double squared_radius = (centre - samples[v]).squaredNorm();
-            cells.assign(1, pole);
-            seen_from[pole] = 2 * v + side;
-            for (std::size_t k = 0; k < cells.size(); ++k)
-                for (int i = 0; i < 4; ++i)
-                {
-                    const auto& cell = delaunay.cells[cells[k]];
-                    if (cell.vertices[i] < n)
-                        offer(pole, cell.vertices[i]);
-                    const int next = cell.neighbours[i];
-                    if (!delaunay.is_finite(next) || seen_from[next] == 2 * v + side || cells.size() >= most_cells)
-                        continue;
-                    const int u = delaunay.cells[next].vertices[delaunay.cells[next].position_across(cells[k])];
-                    if (u >= n || (centre - samples[u]).squaredNorm() - squared_radius > largest_power * scale[u] * scale[u])
-                        continue;
-                    seen_from[next] = 2 * v + side;
-                    cells.push_back(next);
-                }
+            for (const int other : delaunay.cells[pole].vertices)
+                if (other < n)
+                    offer(pole, other);
         }
 }
 

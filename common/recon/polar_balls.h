@@ -34,12 +34,11 @@ Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samp
 /// of bare flats, a cell reaches past its ring to both sides, and the pole alone leaves one of them without a ball.
 void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles, int threads = 1);
 
-/// Lets samples share poles: one takes the pole of another that touches it too, at least half as far as its own pole and within
-/// 25 degrees of it. Six of ten polar balls are left, of exact spheres, cylinders and tori few, and every sample is touched from
-/// as many sides as before; but the crust is coarser, for one that goes through the samples afterwards. A ball touches
-/// what its power to is 0.01 `scale`^2 at most. Samples with slant poles keep their own.
-/// \param scale local scale, per sample without the corners of the box.
-void share_poles(const Triangulation& delaunay, const Points& samples, const std::vector<double>& scale, Poles& poles);
+/// Lets samples share poles: one takes the pole of another that is a vertex of its own Voronoi cell too, at least half as far
+/// as its own pole and within 25 degrees of it. Six of ten polar balls are left, and every sample is touched from as many
+/// sides as before; but the crust is coarser, for one that goes through the samples afterwards. Samples with slant poles keep
+/// their own.
+void share_poles(const Triangulation& delaunay, const Points& samples, Poles& poles);
 
 /// Polar balls that were kept. Many samples share one ball.
 struct PolarBalls

@@ -170,7 +170,7 @@ TEST(SharePoles, LeavesFewerBallsThatTouchEverySampleOnBothSides)
     const Triangulation delaunay = triangulate_delaunay(samples);
     const Poles own = find_poles(delaunay, samples);
     Poles shared = own;
-    share_poles(delaunay, samples, std::vector<double>(n, 0.02), shared);
+    share_poles(delaunay, samples, shared);
     std::set<int> before, after;
     for (int v = 0; v < n; ++v)
         for (int side = 0; side < 2; ++side)
@@ -183,11 +183,9 @@ TEST(SharePoles, LeavesFewerBallsThatTouchEverySampleOnBothSides)
                          offset = delaunay.centres[c] - samples[v];
             EXPECT_GT(offset.dot(pole), 0.89 * offset.norm() * pole.norm());
             EXPECT_GE(offset.norm(), 0.49 * pole.norm());
-            // It touches the sample.
-            const double radius = (delaunay.centres[c] - samples[delaunay.cells[c].vertices[0]]).norm();
-            EXPECT_LE(offset.squaredNorm() - radius * radius, 0.011 * 0.02 * 0.02);
+            EXPECT_EQ(std::count(delaunay.cells[c].vertices.begin(), delaunay.cells[c].vertices.end(), v), 1);
         }
-    EXPECT_LT(after.size(), 0.4 * double(before.size()));
+    EXPECT_LT(after.size(), 0.7 * double(before.size()));
     for (std::size_t v = n; v < samples.size(); ++v) // corners of the box
         EXPECT_EQ(shared.cells[v], own.cells[v]);
 }
@@ -206,7 +204,7 @@ TEST(LabelPolarBalls, SharesBallsOnlyWhereTheSamplesAgree)
         return double(labelled.kept.balls.size());
     };
     const Points torus = shapes::torus(4000, major, minor, 1).points;
-    EXPECT_LT(count_balls(torus, sharing, 1), 0.5 * count_balls(torus, {}, 1));
+    EXPECT_LT(count_balls(torus, sharing, 1), 0.7 * count_balls(torus, {}, 1));
     // Box: at its edges the votes are violated.
     const Points box = shapes::box(1500, Vector(0.7, 0.5, 0.4), 1).points;
     EXPECT_EQ(count_balls(box, sharing, 0), count_balls(box, {}, 0));
