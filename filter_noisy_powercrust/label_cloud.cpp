@@ -118,6 +118,8 @@ public:
                 mismatch = own;
             }
         }
+        if (is_suspicious())
+            first.missed_points = mismatch.missed_points;
         return first;
     }
 

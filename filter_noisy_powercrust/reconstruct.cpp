@@ -49,8 +49,14 @@ void trim(TriangleMesh& mesh, const BlockSearch& search, const Points& samples, 
     keep_triangles(mesh, keep);
 }
 
-void warn(NoisyPowerCrust& result, const DroppedBodies& dropped)
+void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, double missed_points)
 {
+    if (missed_points > 0)
+        result.warnings.push_back(
+            std::to_string(int(std::lround(100 * missed_points))) +
+            " % of the points are farther than their spacing from the surface, and parts of it have none: "
+            "walls may have been taken for noise and what they hold filled. Set noise to what the scanner "
+            "has, or scan more densely.");
     if (const std::string text = describe(dropped); !text.empty())
         result.warnings.push_back(text);
     if (result.violated_votes > safe_violation)
@@ -147,7 +153,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.euler_characteristic = topology.euler_characteristic;
     result.genus = topology.genus();
     frame.from_unit_in_place(mesh.vertices);
-    warn(result, dropped);
+    warn(result, dropped, found.missed_points);
     times.end();
     result.seconds = times.seconds();
     return result;

@@ -84,9 +84,8 @@ std::string describe(const DroppedBodies& dropped)
     constexpr double worth_a_word = 0.05;
     if (dropped.volume < worth_a_word)
         return {};
-    return std::to_string(dropped.count) +
-           (dropped.count == 1 ? " other body or hollow was" : " other bodies or hollows were") + " left out, with " +
-           std::to_string(int(std::lround(100 * dropped.volume))) +
+    return std::to_string(dropped.count) + (dropped.count == 1 ? " other body was" : " other bodies were") +
+           " left out, with " + std::to_string(int(std::lround(100 * dropped.volume))) +
            " % of the volume of the largest. To keep all, set keep_components to all.";
 }
 

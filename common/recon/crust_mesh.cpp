@@ -267,7 +267,7 @@ DroppedBodies keep_largest_component(TriangleMesh& mesh)
     DroppedBodies dropped;
     for (int component = 0; component < components.count; ++component)
     {
-        const double share = std::abs(volume[component]) / volume[largest];
+        const double share = volume[component] / volume[largest]; // of a hollow negative
         if (component == largest || !(share >= smallest_body))
             continue;
         ++dropped.count;

@@ -42,8 +42,7 @@ MeshComponents find_components(const TriangleMesh& mesh);
 /// \returns for each vertex that is left its former index.
 std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& keep);
 
-/// Components that were left out and enclose a hundredth of the volume of the one kept, or more; of a hollow the volume
-/// counts too.
+/// Bodies that were left out and enclose a hundredth of the volume of the one kept, or more; hollows do not count.
 struct DroppedBodies
 {
     int count = 0;
