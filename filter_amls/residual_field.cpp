@@ -6,6 +6,7 @@
 #include "weighted_sums.h"
 
 #include <recon/parallel.h>
+#include <recon/scramble.h>
 
 #include <algorithm>
 #include <array>
@@ -69,14 +70,6 @@ void sum_robust(const float* weights, const float* residuals, int n, float centr
     sums[1] = simd::sum(mass);
 }
 
-/// A number that shows no pattern of its argument (the finaliser of SplitMix64).
-std::uint64_t scramble(std::uint64_t x)
-{
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
-
 /// What samples say that the surface errs at a place.
 class ErrorTeller
 {
@@ -113,7 +106,7 @@ public:
         for (auto& half : half_weights_)
             half.assign(weights_.size(), 0);
         for (std::size_t k = 0; k < found_.size(); ++k)
-            half_weights_[scramble(std::uint64_t(found_[k])) & 1][k] = weights_[k];
+            half_weights_[mix_bits(std::uint64_t(found_[k])) & 1][k] = weights_[k];
     }
     double error_by_half(int half, double sigma, double scale) const
     {

@@ -108,14 +108,13 @@ public:
             LabelledCloud finer =
                 prepare_and_label(Denoise::on, noise, progress.part(0.1 + 0.3 * i, 0.4 + 0.3 * i, "less noise"));
             crust = extract(finer);
-            const Mismatch own{measure_missed_points(finer.cloud.distinct, crust, labelling_.threads),
-                               measure_bare_area(finer.cloud.samples, crust, labelling_.threads)};
-            if (own.missed_points > hopeless * mismatch.missed_points)
+            const double missed = measure_missed_points(finer.cloud.distinct, crust, labelling_.threads);
+            if (missed > hopeless * mismatch.missed_points)
                 break;
-            if (own.missed_points < most_missed)
+            if (missed < most_missed)
             {
+                mismatch = {missed, measure_bare_area(finer.cloud.samples, crust, labelling_.threads)};
                 first = std::move(finer);
-                mismatch = own;
             }
         }
         if (is_suspicious())

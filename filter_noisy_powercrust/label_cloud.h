@@ -14,8 +14,7 @@ struct LabelledCloud
     PreparedSamples cloud;
     LabelledBalls labelled;
     int completed = 0; ///< Samples put on bare flat faces, the last of the cloud's [count].
-    double missed_points =
-        0; ///< Share that a surface with bare lids leaves out, so that walls may be lost; 0 if none is suspected.
+    double missed_points = 0; ///< Share off a surface with bare lids, which may have lost walls; 0: none suspected.
 };
 
 /// Prepares the samples and labels their polar balls; where faces are bare, again with these completed, and the labels

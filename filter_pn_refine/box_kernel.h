@@ -13,13 +13,5 @@ unsigned meeting_boxes(const BoxBlock& boxes, const double* minimum, const doubl
         apart = apart > zero ? apart : zero;
         squared += apart * apart;
     }
-#if PN_INSTRUCTIONS == 4
-    return _mm512_cmp_pd_mask((__m512d)squared, (__m512d)(reach * reach), _CMP_LE_OQ);
-#else
-    const auto meets = squared <= reach * reach;
-    unsigned bits = 0;
-    for (int i = 0; i < doubles_count; ++i)
-        bits |= unsigned(meets[i] & 1) << i;
-    return bits;
-#endif
+    return at_most(squared, reach * reach);
 }

@@ -1,8 +1,5 @@
 // New points in double. No include guard: see lanes.h.
 
-using Doubles = double __attribute__((vector_size(64)));
-constexpr int doubles_count = 8;
-
 struct Vector3s
 {
     Doubles x, y, z;
@@ -26,16 +23,6 @@ PN_INLINE Doubles dot(const Vector3s& a, const Vector3s& b)
 PN_INLINE Vector3s cross(const Vector3s& a, const Vector3s& b)
 {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-PN_INLINE Doubles root(Doubles v)
-{
-#if PN_INSTRUCTIONS == 4
-    return (Doubles)_mm512_sqrt_pd((__m512d)v);
-#else
-    for (int i = 0; i < doubles_count; ++i)
-        v[i] = __builtin_sqrt(v[i]);
-    return v;
-#endif
 }
 /// pn_tangent() of pn_triangle.h.
 PN_INLINE Vector3s tangent(const Vector3s& p, const Vector3s& n, const Vector3s& q)

@@ -4,7 +4,10 @@
 
 using Floats = float __attribute__((vector_size(64)));
 using Ints = std::int32_t __attribute__((vector_size(64)));
+using Doubles = double __attribute__((vector_size(64)));
 using Mask = unsigned; ///< Bit i: lane i.
+
+constexpr int doubles_count = 8;
 
 constexpr Ints lane_numbers = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
@@ -98,6 +101,14 @@ PN_INLINE float sum_of(Floats v)
 PN_INLINE Floats root(Floats v)
 {
     return (Floats)_mm512_sqrt_ps((__m512)v);
+}
+PN_INLINE Doubles root(Doubles v)
+{
+    return (Doubles)_mm512_sqrt_pd((__m512d)v);
+}
+PN_INLINE Mask at_most(Doubles a, Doubles b)
+{
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LE_OQ);
 }
 /// 1 / root(v) to 22 bits, v > 0.
 PN_INLINE Floats inverse_root(Floats v)
@@ -262,6 +273,20 @@ PN_INLINE Floats root(Floats v)
     for (int i = 0; i < lane_count; ++i)
         x[i] = __builtin_sqrtf(x[i]);
     return load<Floats>(x);
+}
+PN_INLINE Doubles root(Doubles v)
+{
+    for (int i = 0; i < doubles_count; ++i)
+        v[i] = __builtin_sqrt(v[i]);
+    return v;
+}
+PN_INLINE Mask at_most(Doubles a, Doubles b)
+{
+    const auto is = a <= b;
+    Mask bits = 0;
+    for (int i = 0; i < doubles_count; ++i)
+        bits |= Mask(is[i] & 1) << i;
+    return bits;
 }
 PN_INLINE Floats inverse_root(Floats v)
 {

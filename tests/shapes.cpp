@@ -156,6 +156,14 @@ Points thin_plate(int side, double thickness, std::uint64_t seed)
     return points;
 }
 
+double rms(const Points& points, const std::function<double(const Point&)>& distance)
+{
+    double squares = 0;
+    for (const Point& p : points)
+        squares += distance(p) * distance(p);
+    return std::sqrt(squares / double(points.size()));
+}
+
 Points with_noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)
 {
     Random random(seed);

@@ -31,6 +31,9 @@ double distance_to_torus(const recon::Point& p, double major, double minor);
 double distance_to_box(const recon::Point& p, const recon::Vector& sides);
 double distance_to_capsule(const recon::Point& p, double radius, double half_length);
 
+/// Root mean square of the points' distances.
+double rms(const recon::Points& points, const std::function<double(const recon::Point&)>& distance);
+
 /// Each point moved by isotropic Gaussian noise of standard deviation `sigma` per coordinate.
 recon::Points with_noise(const recon::Points& points, double sigma, std::uint64_t seed);
 /// Every point, and `copies` Gaussian copies of it: the clouds of Mederos et al. and of our benchmarks.

@@ -31,7 +31,7 @@ constexpr double small_below = 2;
 
 /// Up to this share of violated votes shared balls gave the labels that all balls give. Where more are, walls are thin
 /// or handles small, and every ball counts.
-constexpr double calm_votes = 0.001;
+constexpr double undisputed_votes = 0.001;
 
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real
 /// holes to the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the
@@ -371,7 +371,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
         share_poles(found.delaunay, samples, shared);
         result = find_labels(keep_balls(samples, found, shared, options), samples, normals, options, times,
                              progress.part(0.35, 0.6, "labels"));
-        if (result->balls.violated_votes > calm_votes)
+        if (result->balls.violated_votes > undisputed_votes)
             result.reset();
     }
     if (!result)

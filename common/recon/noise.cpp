@@ -2,6 +2,7 @@
 
 #include <recon/block_search.h>
 #include <recon/errors.h>
+#include <recon/median.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/patch_fit.h>
@@ -62,11 +63,6 @@ double middle_of(double* values, int count)
 {
     std::nth_element(values, values + count / 2, values + count);
     return values[count / 2];
-}
-
-double median(std::vector<double> values)
-{
-    return middle_of(values.data(), int(values.size()));
 }
 
 } // namespace
@@ -312,38 +308,36 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     std::vector<double> sigma(m), density(m);
     const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
     const double scale = frame.scale();
-    parallel_chunks(
-        std::size_t(m), threads, 32, {},
-        [&](std::size_t begin, std::size_t end)
-        {
-            std::vector<int> near(region);
-            std::vector<double> squared(region), values(region);
-            const auto median_near = [&](const NeighbourSearch& search, const Point& p, int wanted, auto value)
-            {
-                const int count = search.nearest(p, wanted, near.data(), squared.data());
-                for (int k = 0; k < count; ++k)
-                    values[k] = value(near[k]);
-                return middle_of(values.data(), count);
-            };
-            for (std::size_t i = begin; i < end; ++i)
-            {
-                const double local = median_near(settled_search, seeds[i], smoothing_seeds,
-                                                 [&](int k) { return raw[settled_index[k]].sigma; });
-                const double around =
-                    median_near(region_search, seeds[i], region, [&](int k) { return region_sigma[k]; });
-                sigma[i] = truncation * scale * std::min(local, largest_excess * around);
-                const int asked = seed_search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
-                int with_sheets = 0;
-                for (int k = 0; k < asked; ++k)
-                    if (raw[near[k]].sheet_sigma >= 0)
-                        values[with_sheets++] = raw[near[k]].sheet_sigma;
-                if (2 * with_sheets > asked)
-                    sigma[i] = std::min(sigma[i], scale * middle_of(values.data(), with_sheets));
-                density[i] =
-                    median_near(seed_search, seeds[i], smoothing_seeds, [&](int k) { return raw[k].density; }) / scale /
-                    scale;
-            }
-        });
+    parallel_chunks(std::size_t(m), threads, 32, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> near(region);
+                        std::vector<double> squared(region), values(region);
+                        const auto find_near = [&](const NeighbourSearch& search, std::size_t seed, int wanted)
+                        { return search.nearest(seeds[seed], wanted, near.data(), squared.data()); };
+                        const auto median_of_near = [&](int count, auto value)
+                        {
+                            for (int k = 0; k < count; ++k)
+                                values[k] = value(near[k]);
+                            return middle_of(values.data(), count);
+                        };
+                        for (std::size_t i = begin; i < end; ++i)
+                        {
+                            const double local = median_of_near(find_near(settled_search, i, smoothing_seeds),
+                                                                [&](int k) { return raw[settled_index[k]].sigma; });
+                            const double around = median_of_near(find_near(region_search, i, region),
+                                                                 [&](int k) { return region_sigma[k]; });
+                            sigma[i] = truncation * scale * std::min(local, largest_excess * around);
+                            const int found = find_near(seed_search, i, smoothing_seeds);
+                            density[i] = median_of_near(found, [&](int k) { return raw[k].density; }) / scale / scale;
+                            int with_sheets = 0;
+                            for (int k = 0; k < found; ++k)
+                                if (raw[near[k]].sheet_sigma >= 0)
+                                    values[with_sheets++] = raw[near[k]].sheet_sigma;
+                            if (2 * with_sheets > found)
+                                sigma[i] = std::min(sigma[i], scale * middle_of(values.data(), with_sheets));
+                        }
+                    });
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(sigma), std::move(density));
 }

@@ -29,14 +29,6 @@ AmlsProjection project_all(const Points& points, int threads = 0)
     return project_to_amls(points, build_amls_surface(points, options), projection);
 }
 
-double rms(const Points& points, const Distance& distance)
-{
-    double squares = 0;
-    for (const Point& p : points)
-        squares += distance(p) * distance(p);
-    return std::sqrt(squares / double(points.size()));
-}
-
 /// Share of results whose normal agrees with the one of the noise-free sample.
 double oriented_share(const AmlsProjection& result, const Vectors& truth)
 {
@@ -72,7 +64,7 @@ TEST(AmlsSurface, RemovesMostOfTheNoiseOnSmoothShapes)
         {
             const Points noisy = shapes::with_noise(shape.samples.points, sigma, 7);
             const AmlsProjection result = project_all(noisy);
-            EXPECT_LT(rms(result.points, shape.distance), 0.3 * rms(noisy, shape.distance))
+            EXPECT_LT(shapes::rms(result.points, shape.distance), 0.3 * shapes::rms(noisy, shape.distance))
                 << shape.name << " " << sigma;
             EXPECT_GT(oriented_share(result, shape.samples.normals), 0.999) << shape.name << " " << sigma;
             EXPECT_EQ(result.count(ProjectionStatus::outlier), 0) << shape.name << " " << sigma;
@@ -100,7 +92,7 @@ TEST(AmlsSurface, BarelyMovesPointsWithoutNoise)
     for (const Shape& shape : smooth_shapes())
     {
         const AmlsProjection result = project_all(shape.samples.points);
-        EXPECT_LT(rms(result.points, shape.distance), 5e-4) << shape.name;
+        EXPECT_LT(shapes::rms(result.points, shape.distance), 5e-4) << shape.name;
         EXPECT_GT(oriented_share(result, shape.samples.normals), 0.9999) << shape.name;
     }
 }
@@ -115,7 +107,7 @@ TEST(AmlsSurface, ErrorFallsAsDensityRises)
         {
             const Points noisy = shapes::with_noise(shapes::sphere(n, 1, 9).points, 0.01, seed);
             error +=
-                rms(project_all(noisy).points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / 3;
+                shapes::rms(project_all(noisy).points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / 3;
         }
         EXPECT_LT(error, 0.85 * previous) << n;
         previous = error;
@@ -132,7 +124,7 @@ TEST(AmlsSurface, GoodPointsAmongBadOnesDecide)
     mixed.insert(mixed.end(), noisy.begin(), noisy.end());
     even.insert(even.end(), noisy.begin(), noisy.end());
     const Distance distance = [](const Point& p) { return shapes::distance_to_sphere(p, 1); };
-    EXPECT_LT(rms(project_all(mixed).points, distance), 0.65 * rms(project_all(even).points, distance));
+    EXPECT_LT(shapes::rms(project_all(mixed).points, distance), 0.65 * shapes::rms(project_all(even).points, distance));
 }
 
 TEST(AmlsSurface, KeepsBoxesWithinTheNoise)
@@ -143,7 +135,7 @@ TEST(AmlsSurface, KeepsBoxesWithinTheNoise)
     const AmlsProjection result = project_all(shapes::with_noise(box.points, sigma, 13));
     const Distance distance = [&](const Point& p) { return shapes::distance_to_box(p, sides); };
     // Points that face elsewhere and anchors that disagree would add more.
-    EXPECT_LT(rms(result.points, distance), 0.342 * sigma);
+    EXPECT_LT(shapes::rms(result.points, distance), 0.342 * sigma);
     EXPECT_GT(oriented_share(result, box.normals), 0.999);
 }
 
@@ -151,7 +143,7 @@ TEST(AmlsSurface, HardlyRoundsTheEdgesOfCleanBoxes)
 {
     const Vector sides(1, 1.5, 2);
     const AmlsProjection result = project_all(shapes::box(15000, sides, 12).points);
-    EXPECT_LT(rms(result.points, [&](const Point& p) { return shapes::distance_to_box(p, sides); }), 4.2e-4);
+    EXPECT_LT(shapes::rms(result.points, [&](const Point& p) { return shapes::distance_to_box(p, sides); }), 4.2e-4);
 }
 
 TEST(AmlsSurface, TellsEdgesFromOutliers)
@@ -262,7 +254,7 @@ TEST(AmlsSurface, LeavesOutliersAlone)
     ASSERT_GT(far, 40);
     EXPECT_EQ(left, far);
     const Points inliers(result.points.begin(), result.points.begin() + std::ptrdiff_t(n));
-    EXPECT_LT(rms(inliers, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 0.003);
+    EXPECT_LT(shapes::rms(inliers, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 0.003);
 }
 
 TEST(AmlsSurface, FindsOutliersThatAreNotQuiteAlone)
@@ -381,86 +373,6 @@ TEST(AmlsSurface, TellsSheetsFromClosedSurfaces)
     }
 }
 
-TEST(AmlsProjection, BringsFarPointsBack)
-{
-    const AmlsSurface surface = build_amls_surface(shapes::with_noise(shapes::sphere(8000, 1, 31).points, 0.005, 32));
-    Points queries;
-    for (const Point& p : shapes::sphere(500, 1, 33).points)
-        queries.push_back(p * (queries.size() % 2 == 0 ? 1.15 : 0.85));
-    AmlsProjectionOptions options;
-    options.foreign_points = true;
-    const AmlsProjection result = project_to_amls(queries, surface, options);
-    for (const Point& p : result.points)
-        EXPECT_LT(shapes::distance_to_sphere(p, 1), 0.01);
-}
-
-TEST(AmlsProjection, LeavesPointsThatAreTooFar)
-{
-    // Half a torus, so that some of what is far lies beside the sheet and in its plane.
-    Points half;
-    for (const Point& p : shapes::torus(20000, 1, 0.4, 49).points)
-        if (p.x() > 0)
-            half.push_back(p);
-    const AmlsSurface surface = build_amls_surface(shapes::with_noise(half, 0.005, 50));
-    AmlsProjectionOptions options;
-    options.foreign_points = true;
-    for (const double far : {3.0, 30.0, 1e9})
-    {
-        Points queries;
-        for (const Point& p : shapes::sphere(500, 1, 51).points)
-            queries.push_back(far * p);
-        const AmlsProjection result = project_to_amls(queries, surface, options);
-        EXPECT_EQ(result.count(ProjectionStatus::too_far), 500) << far;
-        EXPECT_EQ(result.points, queries) << far;
-    }
-    // Nearer ones land on it, not on what would continue it.
-    Points queries;
-    for (const Point& p : shapes::sphere(2000, 1.6, 52).points)
-        queries.push_back(p);
-    const AmlsProjection result = project_to_amls(queries, surface, options);
-    int landed = 0;
-    for (std::size_t i = 0; i < queries.size(); ++i)
-        if (result.status[i] == ProjectionStatus::converged)
-        {
-            ++landed;
-            EXPECT_LT(shapes::distance_to_torus(result.points[i], 1, 0.4), 0.02);
-            EXPECT_GT(result.points[i].x(), -0.3);
-        }
-    EXPECT_GT(landed, 200);
-}
-
-TEST(AmlsProjection, IsNearlyIdempotent)
-{
-    const Points points = shapes::with_noise(shapes::torus(8000, 1, 0.4, 34).points, 0.01, 35);
-    const AmlsSurface surface = build_amls_surface(points);
-    const AmlsProjection once = project_to_amls(points, surface);
-    const AmlsProjection again = project_to_amls(once.points, surface);
-    double squares = 0;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        squares += (again.points[i] - once.points[i]).squaredNorm();
-    EXPECT_LT(std::sqrt(squares / double(points.size())), 2e-4);
-}
-
-TEST(AmlsProjection, RefusesBadOptions)
-{
-    const Points points = shapes::sphere(500, 1, 36).points;
-    const AmlsSurface surface = build_amls_surface(points);
-    const auto with = [&](auto change)
-    {
-        AmlsProjectionOptions options;
-        change(options);
-        return project_to_amls(points, surface, options);
-    };
-    EXPECT_THROW(with([](auto& o) { o.max_iterations = 0; }), InvalidInput);
-    EXPECT_THROW(with([](auto& o) { o.tolerance = 0; }), InvalidInput);
-    EXPECT_THROW(with([](auto& o) { o.cut_off = -1; }), InvalidInput);
-    EXPECT_THROW(with([](auto& o) { o.threads = -1; }), InvalidInput);
-    EXPECT_THROW(project_to_amls({Point(0, 0, std::numeric_limits<double>::infinity())}, surface), InvalidInput);
-    EXPECT_TRUE(project_to_amls({}, surface).points.empty());
-    EXPECT_THROW(project_to_amls(points, surface, {}, Progress([](double, const std::string&) { return false; })),
-                 Cancelled);
-}
-
 TEST(AmlsSurface, RefusesHostileInput)
 {
     const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
@@ -485,26 +397,11 @@ TEST(AmlsSurface, RefusesHostileInput)
     EXPECT_THROW(build_amls_surface(sphere, {}, {}, Vectors(3, Vector::UnitX())), InvalidInput);
 }
 
-TEST(AmlsProjection, SharpErrsLessAtCreases)
-{
-    const Vector sides(1, 0.18, 0.5);
-    const Points noisy = shapes::with_noisy_copies(shapes::box(3000, sides, 45).points, 0.02, 4, 46);
-    const AmlsSurface surface = build_amls_surface(noisy);
-    AmlsProjectionOptions smooth;
-    smooth.sharp = false;
-    const auto error = [&](const AmlsProjectionOptions& options)
-    {
-        return rms(project_to_amls(noisy, surface, options).points,
-                   [&](const Point& p) { return shapes::distance_to_box(p, sides); });
-    };
-    EXPECT_LT(error({}), error(smooth));
-}
-
 TEST(AmlsSurface, FewPointsKeepTheirShape)
 {
     const auto distance = [](const Point& p) { return shapes::distance_to_sphere(p, 1); };
     for (int n : {10, 20, 50})
-        EXPECT_LT(rms(project_all(shapes::sphere(n, 1, 47).points).points, distance), 0.1) << n;
+        EXPECT_LT(shapes::rms(project_all(shapes::sphere(n, 1, 47).points).points, distance), 0.1) << n;
 }
 
 TEST(AmlsSurface, SurvivesStrangeClouds)

@@ -25,14 +25,6 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b)
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-double rms(const Points& points, const std::function<double(const Point&)>& distance)
-{
-    double sum = 0;
-    for (const Point& p : points)
-        sum += distance(p) * distance(p);
-    return std::sqrt(sum / double(points.size()));
-}
-
 Points all_points(const OrientedSamples& input, const PnRefinement& refined)
 {
     Points all = input.points;
@@ -82,7 +74,7 @@ TEST(RefinePoints, SphereBecomesDenseExactAndEven)
         EXPECT_GT(double(all.size()), 3500 * std::pow(1.75, steps));
     }
     const PnRefinement refined = refine_points(samples, one_thread(6));
-    EXPECT_LT(rms(refined.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / diagonal, 1e-6);
+    EXPECT_LT(shapes::rms(refined.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / diagonal, 1e-6);
     double sum = 0;
     for (std::size_t i = 0; i < refined.points.size(); ++i)
     {
@@ -104,7 +96,7 @@ TEST(RefinePoints, SamplesAroundTellMoreThanThreeCorners)
         {
             PnRefineOptions options = one_thread(2);
             options.fast = fast;
-            error[fast] += rms(refine_points(samples, options).points,
+            error[fast] += shapes::rms(refine_points(samples, options).points,
                                [&](const Point& p)
                                {
                                    const Vector scaled = p.cwiseQuotient(half_axes);
@@ -166,7 +158,7 @@ TEST(RefinePoints, ErrorFallsWithTheNumberOfSamples)
     const auto error = [](int n)
     {
         const PnRefinement refined = refine_points(shapes::torus(n, 1, 0.4, 2), one_thread(2));
-        return rms(refined.points, [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); });
+        return shapes::rms(refined.points, [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); });
     };
     const double coarse = error(1000), fine = error(8000);
     EXPECT_LT(coarse, 0.005);
@@ -270,7 +262,7 @@ TEST(RefinePoints, FarFromTheOriginAndAtExtremeScalesTheResultIsTheSame)
         p += offset;
     const PnRefinement other = refine_points(moved, one_thread(2));
     EXPECT_NEAR(double(other.points.size()), double(plain.points.size()), 0.02 * double(plain.points.size()));
-    EXPECT_LT(rms(other.points, [&](const Point& p) { return shapes::distance_to_sphere(p - offset, 1); }), 1e-3);
+    EXPECT_LT(shapes::rms(other.points, [&](const Point& p) { return shapes::distance_to_sphere(p - offset, 1); }), 1e-3);
 }
 
 TEST(RefinePoints, ParentsAreEarlierAndNear)
@@ -347,7 +339,7 @@ TEST(RefinePoints, GivenRadiiAreUsedWithinReason)
     PnRefineOptions options = one_thread(2);
     options.initial_radius = 0.25;
     const PnRefinement chosen = refine_points(samples, options);
-    EXPECT_LT(rms(chosen.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 1e-3);
+    EXPECT_LT(shapes::rms(chosen.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 1e-3);
     EXPECT_GT(chosen.points.size(), 500u);
 }
 

@@ -1,0 +1,132 @@
+#include <filter_amls/project.h>
+
+#include <recon/errors.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace recon;
+
+TEST(AmlsProjection, BringsFarPointsBack)
+{
+    const AmlsSurface surface = build_amls_surface(shapes::with_noise(shapes::sphere(8000, 1, 31).points, 0.005, 32));
+    Points queries;
+    for (const Point& p : shapes::sphere(500, 1, 33).points)
+        queries.push_back(p * (queries.size() % 2 == 0 ? 1.15 : 0.85));
+    AmlsProjectionOptions options;
+    options.foreign_points = true;
+    const AmlsProjection result = project_to_amls(queries, surface, options);
+    for (const Point& p : result.points)
+        EXPECT_LT(shapes::distance_to_sphere(p, 1), 0.01);
+}
+
+TEST(AmlsProjection, LeavesPointsThatAreTooFar)
+{
+    // Half a torus, so that some of what is far lies beside the sheet and in its plane.
+    Points half;
+    for (const Point& p : shapes::torus(20000, 1, 0.4, 49).points)
+        if (p.x() > 0)
+            half.push_back(p);
+    const AmlsSurface surface = build_amls_surface(shapes::with_noise(half, 0.005, 50));
+    AmlsProjectionOptions options;
+    options.foreign_points = true;
+    for (const double far : {3.0, 30.0, 1e9})
+    {
+        Points queries;
+        for (const Point& p : shapes::sphere(500, 1, 51).points)
+            queries.push_back(far * p);
+        const AmlsProjection result = project_to_amls(queries, surface, options);
+        EXPECT_EQ(result.count(ProjectionStatus::too_far), 500) << far;
+        EXPECT_EQ(result.points, queries) << far;
+    }
+    // Nearer ones land on it, not on what would continue it.
+    Points queries;
+    for (const Point& p : shapes::sphere(2000, 1.6, 52).points)
+        queries.push_back(p);
+    const AmlsProjection result = project_to_amls(queries, surface, options);
+    int landed = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i)
+        if (result.status[i] == ProjectionStatus::converged)
+        {
+            ++landed;
+            EXPECT_LT(shapes::distance_to_torus(result.points[i], 1, 0.4), 0.02);
+            EXPECT_GT(result.points[i].x(), -0.3);
+        }
+    EXPECT_GT(landed, 200);
+}
+
+TEST(AmlsProjection, IsNearlyIdempotent)
+{
+    const Points points = shapes::with_noise(shapes::torus(8000, 1, 0.4, 34).points, 0.01, 35);
+    const AmlsSurface surface = build_amls_surface(points);
+    const AmlsProjection once = project_to_amls(points, surface);
+    const AmlsProjection again = project_to_amls(once.points, surface);
+    double squares = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        squares += (again.points[i] - once.points[i]).squaredNorm();
+    EXPECT_LT(std::sqrt(squares / double(points.size())), 2e-4);
+}
+
+TEST(AmlsProjection, RefusesBadOptions)
+{
+    const Points points = shapes::sphere(500, 1, 36).points;
+    const AmlsSurface surface = build_amls_surface(points);
+    const auto with = [&](auto change)
+    {
+        AmlsProjectionOptions options;
+        change(options);
+        return project_to_amls(points, surface, options);
+    };
+    EXPECT_THROW(with([](auto& o) { o.max_iterations = 0; }), InvalidInput);
+    EXPECT_THROW(with([](auto& o) { o.tolerance = 0; }), InvalidInput);
+    EXPECT_THROW(with([](auto& o) { o.cut_off = -1; }), InvalidInput);
+    EXPECT_THROW(with([](auto& o) { o.threads = -1; }), InvalidInput);
+    EXPECT_THROW(project_to_amls({Point(0, 0, std::numeric_limits<double>::infinity())}, surface), InvalidInput);
+    EXPECT_TRUE(project_to_amls({}, surface).points.empty());
+    EXPECT_THROW(project_to_amls(points, surface, {}, Progress([](double, const std::string&) { return false; })),
+                 Cancelled);
+}
+
+TEST(AmlsProjection, SharpErrsLessAtCreases)
+{
+    const Vector sides(1, 0.18, 0.5);
+    const Points noisy = shapes::with_noisy_copies(shapes::box(3000, sides, 45).points, 0.02, 4, 46);
+    const AmlsSurface surface = build_amls_surface(noisy);
+    AmlsProjectionOptions smooth;
+    smooth.sharp = false;
+    const auto error = [&](const AmlsProjectionOptions& options)
+    {
+        return shapes::rms(project_to_amls(noisy, surface, options).points,
+                           [&](const Point& p) { return shapes::distance_to_box(p, sides); });
+    };
+    EXPECT_LT(error({}), error(smooth));
+}
+
+TEST(AmlsProjection, LeavesBothSidesOfAThinPlateWhereTheyAre)
+{
+    // One sample a unit of area, noise of a tenth of the wall's thickness or more.
+    const Vector sides(50, 50, 2);
+    for (const double noise : {0.2, 0.3})
+    {
+        const Points plate = shapes::with_noise(shapes::box(5400, sides, 1).points, noise, 2);
+        const AmlsSurface surface = build_amls_surface(plate);
+        const AmlsProjection projected = project_to_amls(plate, surface);
+        double before = 0, after = 0;
+        int on_faces = 0, outward = 0;
+        for (std::size_t i = 0; i < plate.size(); ++i)
+        {
+            before += std::pow(shapes::distance_to_box(plate[i], sides), 2);
+            after += std::pow(shapes::distance_to_box(projected.points[i], sides), 2);
+            if (plate[i].head<2>().cwiseAbs().maxCoeff() > 24)
+                continue;
+            ++on_faces;
+            outward += projected.normals[i].z() * plate[i].z() > 0;
+        }
+        EXPECT_LT(std::sqrt(after / before), 0.85) << noise;
+        EXPECT_GT(outward, 0.97 * on_faces) << noise;
+    }
+}
