@@ -184,6 +184,19 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
     }
 }
 
+TEST(NoisyPowerCrust, SaysThatWallsSeemLost)
+{
+    const auto says_so = [](double wall, double noise)
+    {
+        const std::vector<std::string> warnings =
+            reconstruct_noisy_power_crust(shapes::with_noise(Cup(wall).points, noise, 4)).warnings;
+        return std::any_of(warnings.begin(), warnings.end(), [](const std::string& text)
+                           { return text.find("walls may have been taken for noise") != std::string::npos; });
+    };
+    EXPECT_TRUE(says_so(1, 0.4)); // filled: nothing tells its walls from noise
+    EXPECT_FALSE(says_so(2.5, 0.3));
+}
+
 TEST(NoisyPowerCrust, DependsNeitherOnThreadsNorOnOrderNorOnTheRun)
 {
     const Points points = shapes::with_noisy_copies(shapes::torus(3000, 1, 0.4, 5).points, 0.02, 4, 6);
