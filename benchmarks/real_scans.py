@@ -1,4 +1,4 @@
-"""Real scans through the noisy power crust in all three hosts, default parameters: prints the table of real_scans.md.
+"""Real scans through the noisy power crust in all three hosts, default parameters: prints the table of crust.md.
 
   python benchmarks/real_scans.py <folder with the scans> [--pictures <folder>] [name...]
 Needs ./test or ./demo to have built the plugins, and the Python that `cmake/setup --python` prints.
