@@ -1,5 +1,6 @@
 #include "label_cloud.h"
 
+#include "back_sheets.h"
 #include "complete_noisy_flats.h"
 
 #include <recon/crust_mesh.h>
@@ -25,11 +26,15 @@ constexpr double clearly_better = 0.5;
 /// Shares of points missed and of bare area above which a denoised crust has lost walls: they read as noise, a lid
 /// closes the cup, and no vote objects. Right crusts miss points by mere noise, or are bare where a scan is open.
 constexpr double buried_points = 0.015, bare_lid = 0.02;
-/// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther apart.
+/// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther
+/// apart.
 constexpr double least_of_walls = 0.1;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
 /// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
 constexpr double found_again = 0.25, hopeless = 0.45;
+/// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample;
+/// with the backs at most this share of them may be left.
+constexpr double bearable_lost = 0.02, bearable_handles = 2e-4, whole_again = 0.5;
 /// Above this number of points two attempts are not kept side by side [count].
 constexpr std::size_t most_points_twice = 1'000'000;
 
@@ -149,6 +154,36 @@ public:
                      : prepare_and_label(Denoise::automatic, 0, progress.part(0.7, 1, "first attempt again"));
     }
 
+    /// A scan whose sheets have the outside on both sides, with backs behind these.
+    LabelledCloud back_lost_sheets(LabelledCloud found, const Progress& progress)
+    {
+        const int threads = labelling_.threads;
+        LostSheets lost = find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised, threads);
+        if (lost.share <= bearable_lost || found.completed > 0)
+            return found;
+        const double handles = measure_closed_topology(extract(found)).genus();
+        if (handles <= bearable_handles * double(found.cloud.samples.size()))
+            return found;
+        found.lost_sheets = lost.share;
+        if (options_.denoise == Denoise::off || points_.size() > most_points_twice)
+            return found;
+        PreparedSamples backed = found.cloud;
+        if (!backed.denoised)
+        {
+            LabelledCloud oriented = prepare_and_label(Denoise::on, options_.noise, progress.part(0, 0.5, "normals"));
+            if (!oriented.cloud.denoised || oriented.completed > 0)
+                return found;
+            lost = find_lost_sheets(oriented.cloud.samples, oriented.labelled, true, threads);
+            backed = std::move(oriented.cloud);
+        }
+        const int backs = back_sheets(lost, backed.samples, backed.normals, threads);
+        LabelledCloud slabs = label(std::move(backed), false, progress.part(0.5, 1, "backs of sheets"));
+        slabs.backs = backs;
+        slabs.lost_sheets = lost.share;
+        return measure_closed_topology(extract(slabs)).genus() <= whole_again * handles ? std::move(slabs)
+                                                                                        : std::move(found);
+    }
+
 private:
     TriangleMesh extract(const LabelledCloud& found)
     {
@@ -252,10 +287,12 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
     if (labelling.ball_threshold > 0)
         return first;
-    const Progress rest = progress.part(0.7, 1, "other attempts");
-    if (first.cloud.denoised)
-        return options.noise == 0 ? attempts.look_for_walls(std::move(first), rest) : std::move(first);
-    return options.denoise == Denoise::automatic ? attempts.doubt_cleanness(std::move(first), rest) : std::move(first);
+    const Progress rest = progress.part(0.7, 0.9, "other attempts");
+    if (!first.cloud.denoised && options.denoise == Denoise::automatic)
+        first = attempts.doubt_cleanness(std::move(first), rest);
+    else if (first.cloud.denoised && options.noise == 0)
+        first = attempts.look_for_walls(std::move(first), rest);
+    return attempts.back_lost_sheets(std::move(first), progress.part(0.9, 1, "lost sheets"));
 }
 
 } // namespace recon

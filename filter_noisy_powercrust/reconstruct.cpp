@@ -49,19 +49,30 @@ void trim(TriangleMesh& mesh, const BlockSearch& search, const Points& samples, 
     keep_triangles(mesh, keep);
 }
 
-void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, double missed_points)
+std::string percent(double share)
 {
-    if (missed_points > 0)
+    return std::to_string(int(std::lround(100 * share)));
+}
+
+void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledCloud& found)
+{
+    if (found.missed_points > 0)
         result.warnings.push_back(
-            std::to_string(int(std::lround(100 * missed_points))) +
+            percent(found.missed_points) +
             " % of the points are farther than their spacing from the surface, and parts of it have none: "
             "walls may have been taken for noise and what they hold filled. Set noise to what the scanner "
             "has, or scan more densely.");
+    if (found.lost_sheets > 0)
+        result.warnings.push_back(
+            percent(found.lost_sheets) +
+            " % of the samples are of sheets that have no inside, as of a scan from one side only. " +
+            (found.backs > 0 ? "They were given a back, three spacings behind the points."
+                             : "They came out as lace: to see them whole, set denoise to automatic or on, or "
+                               "reconstruct them apart from what lies behind."));
     if (const std::string text = describe(dropped); !text.empty())
         result.warnings.push_back(text);
     if (result.violated_votes > safe_violation)
-        result.warnings.push_back("The points contradict the surface in " +
-                                  std::to_string(int(std::lround(100 * result.violated_votes))) +
+        result.warnings.push_back("The points contradict the surface in " + percent(result.violated_votes) +
                                   " % of their votes: parts are probably missing or filled. Walls may be thinner than "
                                   "the spacing or the noise of the "
                                   "points; look at the result, and scan such parts more densely.");
@@ -153,7 +164,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.euler_characteristic = topology.euler_characteristic;
     result.genus = topology.genus();
     frame.from_unit_in_place(mesh.vertices);
-    warn(result, dropped, found.missed_points);
+    warn(result, dropped, found);
     times.end();
     result.seconds = times.seconds();
     return result;

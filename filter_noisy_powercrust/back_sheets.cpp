@@ -1,0 +1,93 @@
+#include "back_sheets.h"
+
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recon
+{
+namespace
+{
+
+/// Samples looked at around each [count], itself included.
+constexpr int around = 31;
+/// Up to this share of samples without an inside, rims of scans, no sheet is lost.
+constexpr double least_share = 0.01;
+/// Share of samples without an inside around one that makes it part of a lost sheet, and that has its back put up too.
+constexpr double lost_above = 0.5, backed_above = 0.1;
+/// Distance from a sheet to its back, and least distance of the back from all samples [spacings]. Slabs of two spacings
+/// and more come out whole.
+constexpr double thickness = 3, room = 1;
+
+bool has_no_inside(const LabelledBalls& labelled, bool oriented, std::size_t sample)
+{
+    const auto& [first, second] = labelled.kept.of_sample[sample];
+    if (first < 0 || second < 0)
+        return false;
+    // With normals the first ball is the one in front.
+    return labelled.labels[second] == Side::outer && (oriented || labelled.labels[first] == Side::outer);
+}
+
+} // namespace
+
+LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads)
+{
+    LostSheets result;
+    std::vector<char> is_hollow(samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        is_hollow[i] = has_no_inside(labelled, oriented, i);
+    if (std::count(is_hollow.begin(), is_hollow.end(), 1) <= least_share * double(samples.size()))
+        return result;
+    result.around.resize(samples.size());
+    const NeighbourSearch search(samples);
+    parallel_for(samples.size(), threads, {},
+                 [&](std::size_t i)
+                 {
+                     int indices[around];
+                     double squared[around];
+                     const int found = search.nearest(samples[i], around, indices, squared);
+                     const auto hollow = std::count_if(indices, indices + found, [&](int j) { return is_hollow[j]; });
+                     result.around[i] = double(hollow) / found;
+                 });
+    const auto is_lost = [](double share) { return share > lost_above; };
+    result.share = double(std::count_if(result.around.begin(), result.around.end(), is_lost)) / double(samples.size());
+    return result;
+}
+
+int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads)
+{
+    std::vector<int> backed;
+    for (int i = 0; i < int(lost.around.size()); ++i)
+        if (lost.around[i] > backed_above)
+            backed.push_back(i);
+    Points backs(backed.size());
+    std::vector<char> has_room(backed.size());
+    const NeighbourSearch search(samples);
+    parallel_for(backed.size(), threads, {},
+                 [&](std::size_t k)
+                 {
+                     constexpr int nearest = 7; // the sample itself is the first
+                     int indices[nearest];
+                     double squared[nearest], sum = 0;
+                     const Point& p = samples[backed[k]];
+                     const int found = search.nearest(p, nearest, indices, squared);
+                     for (int j = 1; j < found; ++j)
+                         sum += std::sqrt(squared[j]);
+                     const double spacing = sum / std::max(found - 1, 1);
+                     backs[k] = p - thickness * spacing * normals[backed[k]];
+                     has_room[k] = (samples[search.nearest(backs[k])] - backs[k]).norm() >= room * spacing;
+                 });
+    int added = 0;
+    for (std::size_t k = 0; k < backed.size(); ++k)
+        if (has_room[k])
+        {
+            samples.push_back(backs[k]);
+            normals.push_back(-normals[backed[k]]);
+            ++added;
+        }
+    return added;
+}
+
+} // namespace recon

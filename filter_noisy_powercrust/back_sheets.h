@@ -1,0 +1,26 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/labelled_balls.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Sheets with the outside on both sides: scanned from the front, with no ball behind them that could be inside, since
+/// the space there is open, or the front of what lies deeper. Nothing is left of them but lace between small balls.
+struct LostSheets
+{
+    std::vector<double> around; ///< Per sample: share of the samples around without an inside [0..1]. Empty: none lost.
+    double share = 0;           ///< Of samples most of whose neighbours have no inside [0..1].
+};
+
+/// \param samples those that `labelled` was made of. \param oriented whether they had normals.
+LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads);
+
+/// Puts samples some spacings behind lost sheets and what borders on them, so that there is a slab to be inside, but
+/// none where another sheet is near. \returns how many; they come last.
+int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads);
+
+} // namespace recon

@@ -1,0 +1,96 @@
+#include "filter_noisy_powercrust/back_sheets.h"
+
+#include "tests/checks.h"
+
+#include <recon/crust_mesh.h>
+#include <recon/mismatch.h>
+#include <recon/progress.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+using namespace recon;
+
+namespace
+{
+
+/// A shallow vault scanned from above, in a unit frame: nothing behind it.
+struct Scan
+{
+    Points samples;
+    Vectors normals;
+};
+
+Scan scan_vault(int side)
+{
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> jitter(-0.25, 0.25);
+    Scan result;
+    const double spacing = 0.7 / side, radius = 0.5;
+    for (int i = 0; i < side; ++i)
+        for (int j = 0; j < side; ++j)
+        {
+            const double x = (i - side / 2.0 + jitter(random)) * spacing,
+                         y = (j - side / 2.0 + jitter(random)) * spacing;
+            const double z = std::sqrt(radius * radius - x * x);
+            result.samples.emplace_back(x, y, z);
+            result.normals.push_back(Vector(x, 0, z) / radius);
+        }
+    return result;
+}
+
+LabelledBalls label(const Scan& scan)
+{
+    PhaseTimes times;
+    return label_polar_balls(scan.samples, scan.normals, {}, times);
+}
+
+} // namespace
+
+TEST(BackSheets, ASheetWithTheOutsideOnBothSidesIsLost)
+{
+    const Scan scan = scan_vault(40);
+    LabelledBalls labelled = label(scan);
+    EXPECT_LT(find_lost_sheets(scan.samples, labelled, true, 1).share, 0.2);
+    std::fill(labelled.labels.begin(), labelled.labels.end(), Side::outer);
+    EXPECT_EQ(find_lost_sheets(scan.samples, labelled, true, 1).share, 1);
+    EXPECT_EQ(find_lost_sheets(scan.samples, labelled, false, 1).share, 1);
+}
+
+TEST(BackSheets, ABackMakesASlabOfIt)
+{
+    Scan scan = scan_vault(40);
+    const Points front = scan.samples;
+    LostSheets all;
+    all.around.assign(front.size(), 1);
+    const int added = back_sheets(all, scan.samples, scan.normals, 1);
+    EXPECT_EQ(added, int(front.size()));
+    ASSERT_EQ(scan.samples.size(), front.size() + std::size_t(added));
+    const LabelledBalls labelled = label(scan);
+    const TriangleMesh crust = extract_crust(labelled.regular, labelled.labels);
+    const checks::MeshReport report = checks::examine_mesh(crust);
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 0);
+    EXPECT_LT(measure_missed_points(front, crust), 0.01);
+    EXPECT_LT(find_lost_sheets(scan.samples, labelled, true, 1).share, 0.05);
+    EXPECT_GT(report.volume, 0); // outward
+}
+
+TEST(BackSheets, NoBackWhereAnotherSheetIs)
+{
+    Scan scan = scan_vault(30);
+    const std::size_t front = scan.samples.size();
+    const double spacing = 0.7 / 30;
+    for (std::size_t i = 0; i < front; ++i)
+    {
+        scan.samples.push_back(scan.samples[i] - 3 * spacing * scan.normals[i]);
+        scan.normals.push_back(-scan.normals[i]);
+    }
+    LostSheets lost;
+    lost.around.assign(scan.samples.size(), 0);
+    std::fill_n(lost.around.begin(), front, 1.0);
+    EXPECT_LT(back_sheets(lost, scan.samples, scan.normals, 1), int(front / 20));
+}
