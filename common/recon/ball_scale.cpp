@@ -17,6 +17,8 @@ namespace
 
 constexpr int largest_subset = 20'000;
 constexpr int fine_count = 6, coarse_count = 30;
+/// Smallest polar ball kept, in the fine scale and in the coarse one.
+constexpr double fine_ball = 0.3, coarse_ball = 0.7;
 /// Shares of samples around one above which its scale is fine: of those with clean poles, or, at thin walls, whose
 /// poles are short and slant, of neighbours that lie flat.
 constexpr double clean_above = 0.45, flat_above = 0.75;
@@ -178,9 +180,9 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
     BallScale result;
     for (const int i : spacing.nearest)
         if (is_fine[i])
-            append_scale(result, spacing.fine[i], fine_count, 0.3);
+            append_scale(result, spacing.fine[i], fine_count, fine_ball);
         else
-            append_scale(result, coarse[i], coarse_count, 0.7);
+            append_scale(result, coarse[i], coarse_count, coarse_ball);
     result.median_spacing = median(spacing.fine);
     return result;
 }
@@ -189,7 +191,7 @@ BallScale choose_fine_scale(const SampleSpacing& spacing)
 {
     BallScale result;
     for (const int i : spacing.nearest)
-        append_scale(result, spacing.fine[i], fine_count, 0.3);
+        append_scale(result, spacing.fine[i], fine_count, fine_ball);
     result.median_spacing = median(spacing.fine);
     return result;
 }
