@@ -4,6 +4,7 @@
 #include "keep_apart.h"
 #include "noisy_faces.h"
 #include "noisy_planes.h"
+#include "planar_faces.h"
 
 #include <recon/block_search.h>
 #include <recon/disjoint_sets.h>
@@ -158,14 +159,10 @@ private:
         std::map<int, int> place;
         for (const int v : face.rim)
             place.insert({v, int(place.size())});
-        std::map<std::pair<int, int>, int> uses;
-        for (const auto& t : face.triangles)
-            for (int i = 0; i < 3; ++i)
-                ++uses[std::minmax(t[i], t[(i + 1) % 3])];
+        const std::vector<std::array<int, 2>> border = list_border_edges(face.triangles);
         DisjointSets sets(face.rim.size());
-        for (const auto& edge : uses)
-            if (edge.second == 1)
-                sets.join(place[edge.first.first], place[edge.first.second]);
+        for (const auto& [a, b] : border)
+            sets.join(place[a], place[b]);
         std::map<int, Loop> loops;
         std::vector<int> place_in_loop;
         for (std::size_t k = 0; k < face.rim.size(); ++k)
@@ -175,12 +172,11 @@ private:
             loop.rim.push_back(face.rim[k]);
             loop.away.push_back(face.away[k]);
         }
-        for (const auto& edge : uses)
-            if (edge.second == 1)
-            {
-                const int a = place[edge.first.first], b = place[edge.first.second];
-                loops[int(sets.find(a))].edges.push_back({place_in_loop[a], place_in_loop[b]});
-            }
+        for (const auto& [v, w] : border)
+        {
+            const int a = place[v], b = place[w];
+            loops[int(sets.find(a))].edges.push_back({place_in_loop[a], place_in_loop[b]});
+        }
         std::vector<Loop> result;
         for (auto& entry : loops)
             if (!entry.second.edges.empty())

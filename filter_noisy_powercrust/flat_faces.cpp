@@ -250,20 +250,15 @@ private:
     double measure_folds(const Plane& plane, const FlatFace& face) const
     {
         std::map<int, std::vector<std::array<int, 2>>> wedges;
-        std::map<std::pair<int, int>, int> uses;
         for (const auto& t : face.triangles)
             for (int i = 0; i < 3; ++i)
-            {
                 wedges[t[i]].push_back({t[(i + 1) % 3], t[(i + 2) % 3]});
-                ++uses[std::minmax(t[i], t[(i + 1) % 3])];
-            }
         std::map<int, std::vector<int>> along;
-        for (const auto& edge : uses)
-            if (edge.second == 1)
-            {
-                along[edge.first.first].push_back(edge.first.second);
-                along[edge.first.second].push_back(edge.first.first);
-            }
+        for (const auto& [a, b] : list_border_edges(face.triangles))
+        {
+            along[a].push_back(b);
+            along[b].push_back(a);
+        }
         const Points rim = points_at(face.rim, samples_);
         const NeighbourSearch rim_search(rim);
         const auto distance_to_rim = [&](const Point& q)

@@ -96,6 +96,41 @@ std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vecto
     return result;
 }
 
+/// Visible balls of the side that is asked for: those that the options keep, and those that they drop.
+struct ChosenBalls
+{
+    std::vector<int> wanted, dropped;
+};
+
+ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, const PowerShapeOptions& options)
+{
+    const std::vector<Ball>& balls = labelled.kept.balls;
+    const std::vector<char> is_visible = mark_vertices(labelled.regular, int(balls.size()));
+    const double highest_cosine = std::cos(options.object_angle * pi / 180);
+    const std::vector<double> cosines = list_cosines_of_object_angles(labelled, samples);
+    ChosenBalls chosen;
+    for (int b = 0; b < int(balls.size()); ++b)
+    {
+        const bool inner = labelled.labels[b] == Side::inner;
+        const bool of_side = options.side == MedialSide::both || inner == (options.side == MedialSide::inner);
+        // Balls around the box have no sample of the shape's other side: they are no part of an outer medial axis.
+        if (!is_visible[b] || !of_side || labelled.kept.is_outside[b])
+            continue;
+        (cosines[b] <= highest_cosine ? chosen.wanted : chosen.dropped).push_back(b);
+    }
+    if (options.redundancy > 0)
+    {
+        const std::vector<int> redundant = find_redundant(balls, chosen.wanted, options.redundancy);
+        std::vector<char> gone(balls.size(), 0);
+        for (const int b : redundant)
+            gone[b] = 1;
+        chosen.wanted.erase(std::remove_if(chosen.wanted.begin(), chosen.wanted.end(), [&](int b) { return gone[b] != 0; }),
+                            chosen.wanted.end());
+        chosen.dropped.insert(chosen.dropped.end(), redundant.begin(), redundant.end());
+    }
+    return chosen;
+}
+
 /// Uniform among rotations (Shoemake 1992).
 Eigen::Matrix3d turn_at_random(unsigned seed)
 {
@@ -256,35 +291,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
 
     times.begin("power shape");
     const std::vector<Ball>& balls = labelled.kept.balls;
-    std::vector<char> is_visible(balls.size(), 0);
-    for (const auto& cell : labelled.regular.cells)
-        for (const int v : cell.vertices)
-            if (v != Triangulation::infinite)
-                is_visible[v] = 1;
-    // Balls around the box have no sample of the shape's other side: they are no part of an outer medial axis.
-    std::vector<int> wanted, dropped;
-    const double highest_cosine = std::cos(options.object_angle * pi / 180);
-    const std::vector<double> cosines = list_cosines_of_object_angles(labelled, cloud.samples);
-    for (int b = 0; b < int(balls.size()); ++b)
-    {
-        const bool inner = labelled.labels[b] == Side::inner;
-        const bool of_side = options.side == MedialSide::both || inner == (options.side == MedialSide::inner);
-        if (!is_visible[b] || !of_side || labelled.kept.is_outside[b])
-            continue;
-        if (cosines[b] <= highest_cosine)
-            wanted.push_back(b);
-        else
-            dropped.push_back(b);
-    }
-    if (options.redundancy > 0)
-    {
-        const std::vector<int> redundant = find_redundant(balls, wanted, options.redundancy);
-        std::vector<char> gone(balls.size(), 0);
-        for (const int b : redundant)
-            gone[b] = 1;
-        wanted.erase(std::remove_if(wanted.begin(), wanted.end(), [&](int b) { return gone[b] != 0; }), wanted.end());
-        dropped.insert(dropped.end(), redundant.begin(), redundant.end());
-    }
+    const auto [wanted, dropped] = choose_balls(labelled, cloud.samples, options);
     if (wanted.empty())
         throw AlgorithmFailure("No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");
     std::vector<char> is_inner(balls.size(), 0);

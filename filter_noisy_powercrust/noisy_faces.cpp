@@ -5,6 +5,7 @@
 #include "planar_faces.h"
 
 #include <recon/block_search.h>
+#include <recon/median.h>
 #include <recon/neighbours.h>
 
 #include <Eigen/Dense>
@@ -247,12 +248,10 @@ private:
             sums[k] += p;
             ++counts[k];
         }
-        std::vector<double> sorted = counts;
-        const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-        std::nth_element(sorted.begin(), middle, sorted.end());
+        const double usual = median(counts);
         Points result;
         for (std::size_t k = 0; k < sums.size(); ++k)
-            if (counts[k] >= fewest_share * *middle)
+            if (counts[k] >= fewest_share * usual)
                 result.push_back(sums[k] / counts[k]);
         return result;
     }
@@ -375,13 +374,8 @@ private:
             const Flat u = rims[t[1]] - rims[t[0]], v = rims[t[2]] - rims[t[0]];
             area += 0.5 * std::abs(u.x() * v.y() - u.y() * v.x());
         }
-        std::map<std::pair<int, int>, int> uses;
-        for (const auto& t : face.triangles)
-            for (int i = 0; i < 3; ++i)
-                ++uses[std::minmax(t[i], t[(i + 1) % 3])];
-        for (const auto& edge : uses)
-            if (edge.second == 1)
-                length += (rims[edge.first.first] - rims[edge.first.second]).norm();
+        for (const auto& [a, b] : list_border_edges(face.triangles))
+            length += (rims[a] - rims[b]).norm();
         // Mean width against the distance of rim samples and what noise leaves of a rim.
         return area > 0.5 * length * std::max(least_width * length / double(face.rim.size()), 4 * noise_);
     }

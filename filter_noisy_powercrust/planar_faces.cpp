@@ -3,6 +3,7 @@
 #include <recon/delaunay.h>
 #include <recon/disjoint_sets.h>
 #include <recon/geometry.h>
+#include <recon/median.h>
 #include <recon/signed_labelling.h>
 
 #include <Eigen/Geometry>
@@ -166,13 +167,7 @@ std::vector<int> list_strays(const PlanarTriangulation& planar, const Rims& rims
     std::vector<double> lengths;
     for (const auto& e : rims.edges)
         lengths.push_back(planar.length(e.first, e.second));
-    double limit = 1e300;
-    if (expected && !lengths.empty())
-    {
-        const auto middle = lengths.begin() + std::ptrdiff_t(lengths.size() / 2);
-        std::nth_element(lengths.begin(), middle, lengths.end());
-        limit = far_from_rim * *middle;
-    }
+    const double limit = expected && !lengths.empty() ? far_from_rim * median(std::move(lengths)) : 1e300;
     std::vector<int> result;
     for (int v = 0; v < int(rims.mates.size()); ++v)
     {
@@ -261,6 +256,22 @@ std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& poi
             kept.erase(kept.begin() + *v);
     }
     return {};
+}
+
+std::vector<std::array<int, 2>> list_border_edges(const std::vector<std::array<int, 3>>& triangles)
+{
+    std::map<std::array<int, 2>, int> uses;
+    for (const auto& t : triangles)
+        for (int i = 0; i < 3; ++i)
+        {
+            const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
+            ++uses[{low, high}];
+        }
+    std::vector<std::array<int, 2>> border;
+    for (const auto& [edge, count] : uses)
+        if (count == 1)
+            border.push_back(edge);
+    return border;
 }
 
 } // namespace recon
