@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace recon
 {
@@ -29,143 +30,172 @@ bool continues(const Point& p, const Vector& n, const Point& q, const Vector& m,
     return std::abs(m.dot(n)) >= plain_cosine && std::abs(d.dot(n)) <= plain_slope * d.norm() + plain_offset * edge;
 }
 
-} // namespace
-
-AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int threads)
+/// Of the items that fall into each voxel the one with most mass, the first of equals.
+class HeaviestOfVoxels
 {
-    const int n = cells.size();
-    AnchorChoice choice;
-    choice.landmark_of_cell.assign(n, -1);
+public:
+    explicit HeaviestOfVoxels(std::size_t expected) : voxels_(expected) {}
 
-    // One cell per fine voxel, the one with most mass.
-    std::vector<int> fine, level, fine_of_cell(n, -1);
-    VoxelTable voxels(cells.means.size() / 2);
-    for (int c = 0; c < n; ++c)
+    /// \returns the voxel.
+    int add(int item, const Point& place, int level, double mass)
     {
-        if (normals.kinds[c] != CellKind::regular)
-            continue;
-        const int l = VoxelTable::level_of(fine_edge * cells.scales[c].width);
-        const int voxel = voxels.find_or_add(normals.feet[c], l, VoxelTable::inverse_edge(l));
-        if (voxel == int(fine.size()))
+        const int voxel = voxels_.find_or_add(place, level, VoxelTable::inverse_edge(level));
+        if (voxel == int(items.size()))
         {
-            fine.push_back(c);
-            level.push_back(l);
+            items.push_back(item);
+            masses_.push_back(mass);
         }
-        else if (normals.mass[c] > normals.mass[fine[voxel]])
-            fine[voxel] = c;
-        fine_of_cell[c] = voxel;
+        else if (mass > masses_[voxel])
+        {
+            items[voxel] = item;
+            masses_[voxel] = mass;
+        }
+        return voxel;
     }
 
-    // One fine cell per coarse voxel stands for those that continue its piece of surface.
-    const int fine_count = int(fine.size());
-    std::vector<int> coarse, coarse_of_fine(fine_count);
-    VoxelTable coarse_voxels(fine.size() / 2);
-    for (int f = 0; f < fine_count; ++f)
+    std::vector<int> items; ///< Per voxel.
+
+private:
+    VoxelTable voxels_;
+    std::vector<double> masses_;
+};
+
+/// Regular cells thinned to voxels of half a width, and these to voxels two half octaves wider.
+struct ThinnedCells
+{
+    const CellNormals& normals;
+    std::vector<int> voxel_of_cell;  ///< Per cell: its fine voxel, -1 of strays and outliers.
+    std::vector<int> cell, level;    ///< Per fine voxel: its cell with most mass, and its size as VoxelTable has it.
+    std::vector<int> coarse_of;      ///< Per fine voxel: its coarse one.
+    std::vector<int> representative; ///< Per coarse voxel: its fine one with most mass.
+    std::vector<char> is_stood_for;  ///< Per fine voxel: is that one, or lies on its piece of surface.
+
+    ThinnedCells(const Cells& cells, const CellNormals& all_normals)
+        : normals(all_normals), voxel_of_cell(cells.size(), -1)
     {
-        const int l = level[f] + landmark_levels;
-        const int voxel = coarse_voxels.find_or_add(normals.feet[fine[f]], l, VoxelTable::inverse_edge(l));
-        if (voxel == int(coarse.size()))
-            coarse.push_back(f);
-        else if (normals.mass[fine[f]] > normals.mass[fine[coarse[voxel]]])
-            coarse[voxel] = f;
-        coarse_of_fine[f] = voxel;
-    }
-    const auto edge_of = [&](int f) { return 1 / VoxelTable::inverse_edge(level[f] + landmark_levels); };
-    const auto on_one_piece = [&](int f, int g)
-    {
-        return continues(normals.feet[fine[f]], normals.normals[fine[f]], normals.feet[fine[g]],
-                         normals.normals[fine[g]], edge_of(f));
-    };
-    std::vector<char> stands_for(fine_count);
-    Points places;
-    std::vector<int> place_of_fine(fine_count, -1);
-    std::vector<int> fine_of_place;
-    for (int f = 0; f < fine_count; ++f)
-    {
-        const int representative = coarse[coarse_of_fine[f]];
-        stands_for[f] = f == representative || on_one_piece(representative, f);
-        if (f == representative || !stands_for[f])
+        HeaviestOfVoxels fine(cells.means.size() / 2);
+        for (int c = 0; c < cells.size(); ++c)
         {
-            place_of_fine[f] = int(places.size());
-            places.push_back(normals.feet[fine[f]]);
+            if (normals.kinds[c] != CellKind::regular)
+                continue;
+            const int l = VoxelTable::level_of(fine_edge * cells.scales[c].width);
+            voxel_of_cell[c] = fine.add(c, normals.feet[c], l, normals.mass[c]);
+            if (voxel_of_cell[c] == int(level.size()))
+                level.push_back(l);
+        }
+        cell = std::move(fine.items);
+        HeaviestOfVoxels coarse(cell.size() / 2);
+        for (int f = 0; f < size(); ++f)
+            coarse_of.push_back(coarse.add(f, foot(f), level[f] + landmark_levels, mass(f)));
+        representative = std::move(coarse.items);
+        for (int f = 0; f < size(); ++f)
+            is_stood_for.push_back(f == representative_of(f) || are_on_one_piece(representative_of(f), f));
+    }
+
+    int size() const { return int(cell.size()); } ///< Fine voxels.
+    const Point& foot(int f) const { return normals.feet[cell[f]]; }
+    double mass(int f) const { return normals.mass[cell[f]]; }
+    int representative_of(int f) const { return representative[coarse_of[f]]; }
+    double coarse_edge(int f) const { return 1 / VoxelTable::inverse_edge(level[f] + landmark_levels); }
+    /// Whether fine voxel g continues the piece of surface at f.
+    bool are_on_one_piece(int f, int g) const
+    {
+        return continues(foot(f), normals.normals[cell[f]], foot(g), normals.normals[cell[g]], coarse_edge(f));
+    }
+};
+
+/// Per coarse voxel whether the surface is plain there: what lies around is on the same piece, and on all sides.
+std::vector<std::uint8_t> find_plain_voxels(const ThinnedCells& thinned, int threads)
+{
+    // What stands for others, and what no other stands for: how many fine cells each is, and their middle.
+    Points places;
+    std::vector<int> place_of(thinned.size(), -1), fine_of_place;
+    for (int f = 0; f < thinned.size(); ++f)
+        if (f == thinned.representative_of(f) || !thinned.is_stood_for[f])
+        {
+            place_of[f] = int(places.size());
+            places.push_back(thinned.foot(f));
             fine_of_place.push_back(f);
         }
-    }
-    // What a place stands for: how many fine cells, and their middle.
     std::vector<double> counts(places.size(), 0);
     Points middles(places.size(), Point::Zero());
-    for (int f = 0; f < fine_count; ++f)
+    for (int f = 0; f < thinned.size(); ++f)
     {
-        const int place = place_of_fine[stands_for[f] ? coarse[coarse_of_fine[f]] : f];
+        const int place = place_of[thinned.is_stood_for[f] ? thinned.representative_of(f) : f];
         counts[place] += 1;
-        middles[place] += normals.feet[fine[f]];
+        middles[place] += thinned.foot(f);
     }
     for (std::size_t i = 0; i < places.size(); ++i)
         middles[i] /= counts[i];
 
-    // Plain: all around lies on the same piece.
-    std::vector<std::uint8_t> plain(coarse.size());
+    std::vector<std::uint8_t> plain(thinned.representative.size());
     const BlockSearch search(places);
-    parallel_chunks(coarse.size(), threads, 512, {},
+    parallel_chunks(plain.size(), threads, 512, {},
                     [&](std::size_t begin, std::size_t end)
                     {
                         std::vector<int> near;
                         for (std::size_t v = begin; v < end; ++v)
                         {
-                            const int f = coarse[v];
-                            search.within(normals.feet[fine[f]], plain_radius * edge_of(f), near);
+                            const int f = thinned.representative[v];
+                            const double radius = plain_radius * thinned.coarse_edge(f);
+                            search.within(thinned.foot(f), radius, near);
                             // Where all lies to one side the surface ends, and balls slip through between few
                             // landmarks.
-                            const double radius = plain_radius * edge_of(f);
                             Vector offset = Vector::Zero();
                             double total = 0;
                             for (const int k : near)
                             {
-                                const Vector d = middles[k] - normals.feet[fine[f]];
+                                const Vector d = middles[k] - thinned.foot(f);
                                 const double weight =
                                     counts[k] * std::max(0.0, 1 - d.squaredNorm() / (radius * radius));
                                 offset += weight * d;
                                 total += weight;
                             }
-                            plain[v] = offset.norm() <= plain_balance * radius * total &&
-                                       std::all_of(near.begin(), near.end(),
-                                                   [&](int k) { return on_one_piece(f, fine_of_place[k]); });
+                            plain[v] =
+                                offset.norm() <= plain_balance * radius * total &&
+                                std::all_of(near.begin(), near.end(),
+                                            [&](int k) { return thinned.are_on_one_piece(f, fine_of_place[k]); });
                         }
                     });
+    return plain;
+}
+
+} // namespace
+
+AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int threads)
+{
+    const ThinnedCells thinned(cells, normals);
+    const std::vector<std::uint8_t> plain = find_plain_voxels(thinned, threads);
 
     // Landmarks: of plain voxels the representative, elsewhere all fine cells. Anchors: somewhat more.
-    std::vector<int> landmark_cell_of_fine(fine_count, -1);
-    std::vector<int> kept;
-    VoxelTable anchor_voxels(fine.size());
-    for (int f = 0; f < fine_count; ++f)
+    AnchorChoice choice;
+    std::vector<int> landmark_of_fine(thinned.size(), -1); // as a cell
+    HeaviestOfVoxels kept(thinned.size());
+    for (int f = 0; f < thinned.size(); ++f)
     {
-        const int v = coarse_of_fine[f];
-        if (!plain[v] || !stands_for[f])
+        const int c = thinned.cell[f];
+        if (!plain[thinned.coarse_of[f]] || !thinned.is_stood_for[f])
         {
-            choice.landmarks.push_back(fine[f]);
-            choice.anchors.push_back(fine[f]);
+            choice.landmarks.push_back(c);
+            choice.anchors.push_back(c);
             continue;
         }
-        if (f == coarse[v])
-            choice.landmarks.push_back(fine[f]);
-        landmark_cell_of_fine[f] = fine[coarse[v]];
-        const int l = level[f] + anchor_levels;
-        const int voxel = anchor_voxels.find_or_add(normals.feet[fine[f]], l, VoxelTable::inverse_edge(l));
-        if (voxel == int(kept.size()))
-            kept.push_back(fine[f]);
-        else if (normals.mass[fine[f]] > normals.mass[kept[voxel]])
-            kept[voxel] = fine[f];
+        if (f == thinned.representative_of(f))
+            choice.landmarks.push_back(c);
+        landmark_of_fine[f] = thinned.cell[thinned.representative_of(f)];
+        kept.add(c, thinned.foot(f), thinned.level[f] + anchor_levels, thinned.mass(f));
     }
-    choice.anchors.insert(choice.anchors.end(), kept.begin(), kept.end());
+    choice.anchors.insert(choice.anchors.end(), kept.items.begin(), kept.items.end());
     std::sort(choice.anchors.begin(), choice.anchors.end());
     std::sort(choice.landmarks.begin(), choice.landmarks.end());
 
-    std::vector<int> position(n, -1);
+    std::vector<int> position(cells.size(), -1);
     for (std::size_t i = 0; i < choice.landmarks.size(); ++i)
         position[choice.landmarks[i]] = int(i);
-    for (int c = 0; c < n; ++c)
-        if (fine_of_cell[c] >= 0 && landmark_cell_of_fine[fine_of_cell[c]] >= 0)
-            choice.landmark_of_cell[c] = position[landmark_cell_of_fine[fine_of_cell[c]]];
+    choice.landmark_of_cell.assign(cells.size(), -1);
+    for (int c = 0; c < cells.size(); ++c)
+        if (const int f = thinned.voxel_of_cell[c]; f >= 0 && landmark_of_fine[f] >= 0)
+            choice.landmark_of_cell[c] = position[landmark_of_fine[f]];
     for (const int c : choice.landmarks)
         choice.landmark_spacing.push_back(
             std::max(fine_edge * cells.scales[c].width, 1 / std::sqrt(cells.scales[c].density)));

@@ -20,7 +20,7 @@ struct AnchorChoice
 };
 
 /// Thins the feet of regular cells: to one per voxel of half a width, those of largest mass; where the surface is plain
-/// to one per 0.7 widths as anchors and to one per width as landmarks (recipe step 5). Empty if there is no regular
+/// to one per 0.7 widths as anchors and to one per width as landmarks (README.md, step 5). Empty if there is no regular
 /// cell.
 AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int threads);
 

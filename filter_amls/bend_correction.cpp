@@ -4,10 +4,12 @@
 #include "simd.h"
 
 #include <recon/block_search.h>
+#include <recon/median.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace recon
 {
@@ -89,9 +91,7 @@ void correct_bends(std::vector<Anchor>& anchors, const std::vector<TwoWidths>& f
     }
     if (known.empty())
         return;
-    const auto middle = known.begin() + std::ptrdiff_t(known.size() / 2);
-    std::nth_element(known.begin(), middle, known.end());
-    const double share = std::max(*middle / median_of_squares, 1e-12); // of the variance
+    const double share = std::max(median(std::move(known)) / median_of_squares, 1e-12); // of the variance
     std::vector<int> asked;
     Points places;
     Vectors normals;

@@ -157,21 +157,14 @@ std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<Fit
         feet.push_back(start.foot);
     const std::vector<Run> runs =
         split_into_runs(feet, longest_run, [&](int i) { return run_radius * starts[i].width; });
-    parallel_chunks(runs.size(), threads, 64, progress,
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        AnchorFitter fitter(samples, robust_scale);
-                        for (std::size_t r = begin; r < end; ++r)
-                        {
-                            const Run& run = runs[r];
-                            double reach = 0;
-                            for (int a = run.begin; a < run.end; ++a)
-                                reach = std::max(reach, fit_cut * starts[a].width);
-                            fitter.prepare(run.centre, run.radius + reach);
-                            for (int a = run.begin; a < run.end; ++a)
-                                result[a] = fitter.fit(starts[a], fits[a]);
-                        }
-                    });
+    visit_runs(
+        runs, threads, progress, [&] { return AnchorFitter(samples, robust_scale); },
+        [&](AnchorFitter& fitter, const Run& run)
+        {
+            fitter.prepare(run.centre, run.radius + largest_in(run, [&](int a) { return fit_cut * starts[a].width; }));
+            for (int a = run.begin; a < run.end; ++a)
+                result[a] = fitter.fit(starts[a], fits[a]);
+        });
     correct_bends(result, fits, starts, threads);
     return result;
 }

@@ -28,7 +28,7 @@ struct LocalScales
     const LocalScale& at(const Point& p) const { return at_seed[seeds.nearest_seed(p)]; }
 };
 
-/// Chooses the width at each seed by an unbiased estimate of the risk (recipe step 2): heights of weighted quadrics
+/// Chooses the width at each seed by an unbiased estimate of the risk (README.md, step 2): heights of weighted quadrics
 /// over a ladder of widths are linear smoothers z_j = sum l_j z, so the squared difference to the narrowest one, less
 /// its variance, tells the bias, and sum l_j^2 the variance; their sum is smallest at the best width, which stays below
 /// 0.15 diagonals. \pre `points` are distinct, finite, in spatial order (order_spatially()) and of unit scale. \param

@@ -17,8 +17,8 @@ struct Orientation
     bool open = false;       ///< Much of what would close the surface spans gaps: a sheet, which has no inside.
 };
 
-/// Chooses the sign of each normal from the Delaunay balls of the points (recipe step 6). Balls of neighbouring cells
-/// that intersect deeply lie on one side, the two poles of a point on opposite ones; of these constraints as much
+/// Chooses the sign of each normal from the Delaunay balls of the points (README.md, step 6). Balls of neighbouring
+/// cells that intersect deeply lie on one side, the two poles of a point on opposite ones; of these constraints as much
 /// weight as can be found is kept (label_balls()). \pre points are distinct, of unit scale, thin (not a slab of noise),
 /// at least one; normals of unit length. \param spacing distance of neighbouring points [length], per point. \throws
 /// Cancelled.

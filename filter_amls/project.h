@@ -55,8 +55,8 @@ struct AmlsProjection
     int count(ProjectionStatus wanted) const;
 };
 
-/// Moves points onto the surface by Newton's method on I (Dey and Sun 2005, eq. 7.11; recipe step 8), corrected where
-/// the residuals of samples tell that it errs. The points may be those of which the surface was made, or others.
+/// Moves points onto the surface by Newton's method on I (Dey and Sun 2005, eq. 7.11; README.md, step 8), corrected
+/// where the residuals of samples tell that it errs. The points may be those of which the surface was made, or others.
 /// \throws InvalidInput for a point that is not finite or an option out of range. \throws Cancelled.
 AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
                                const AmlsProjectionOptions& options = {}, const Progress& progress = {});

@@ -149,12 +149,10 @@ double believed_share(double agreed, double told)
     return told > 0 ? std::clamp(agreed / (confirmed_share * told), 0.0, 1.0) : 0;
 }
 
-} // namespace
-
-ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads)
+/// Residuals of the samples that were moved. \param sample replaced: of each place.
+ResidualField list_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, std::vector<int>& sample)
 {
     ResidualField field;
-    std::vector<int> sample; // of each place
     for (std::size_t i = 0; i < projected.points.size(); ++i)
         if (is_moved(projected.status[i]))
         {
@@ -164,12 +162,23 @@ ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProject
             field.residuals.push_back(float((data.points[i] - projected.points[i]).dot(projected.normals[i])));
         }
     field.search = BlockSearch(field.places);
+    return field;
+}
 
+/// Trials at an even stride of the places.
+struct Trials
+{
+    Points places;
+    std::vector<Trial> results;
+};
+
+Trials run_trials(const AmlsSurface::Data& data, const ResidualField& field, const std::vector<int>& sample,
+                  int threads)
+{
     const std::size_t n = field.places.size();
     const std::size_t wanted = std::clamp<std::size_t>(n / points_per_trial, fewest_trials, most_trials);
     const std::size_t stride = std::max<std::size_t>(1, n / wanted), count = (n + stride - 1) / stride;
-    std::vector<Trial> trials(count);
-    Points tried(count);
+    Trials trials{Points(count), std::vector<Trial>(count)};
     parallel_chunks(count, threads, 16, {},
                     [&](std::size_t begin, std::size_t end)
                     {
@@ -179,67 +188,92 @@ ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProject
                             const std::size_t i = t * stride;
                             const LocalScale& scale =
                                 data.cells.scales[std::size_t(data.cells.cell_of_point[std::size_t(sample[i])])];
-                            tried[t] = field.places[i];
-                            teller.prepare(tried[t], window_cut * window * scale.width);
-                            teller.look_at(tried[t], field.normals[i], scale.width);
+                            trials.places[t] = field.places[i];
+                            teller.prepare(trials.places[t], window_cut * window * scale.width);
+                            teller.look_at(trials.places[t], field.normals[i], scale.width);
                             teller.divide();
                             for (std::size_t k = 0; k < robust_scales.size(); ++k)
                             {
                                 const auto by_half = [&](int half)
                                 { return teller.error_by_half(half, scale.sigma, robust_scales[k]) / scale.sigma; };
                                 const double all = teller.error_by_all(scale.sigma, robust_scales[k]) / scale.sigma;
-                                trials[t].agreed[k] = by_half(0) * by_half(1);
-                                trials[t].told[k] = all * all;
+                                trials.results[t].agreed[k] = by_half(0) * by_half(1);
+                                trials.results[t].told[k] = all * all;
                             }
                         }
                     });
-    std::size_t best = 0;
-    double best_gain = 0, agreed = 0, told = 0;
+    return trials;
+}
+
+/// The candidate by which most of the error can be taken back, and its means over all trials.
+struct BestScale
+{
+    std::size_t candidate = 0;
+    double agreed = 0, told = 0;
+};
+
+BestScale choose_best_scale(const std::vector<Trial>& trials)
+{
+    BestScale best;
+    double best_gain = 0;
     for (std::size_t k = 0; k < robust_scales.size(); ++k)
     {
         double a = 0, b = 0;
         for (const Trial& trial : trials)
         {
-            a += trial.agreed[k] / double(count);
-            b += trial.told[k] / double(count);
+            a += trial.agreed[k] / double(trials.size());
+            b += trial.told[k] / double(trials.size());
         }
         const double gain = a > 0 ? a * a / b : 0;
         if (k == 0 || gain > best_gain)
         {
-            best = k;
+            best = {k, a, b};
             best_gain = gain;
-            agreed = a;
-            told = b;
         }
     }
-    field.robust_scale = robust_scales[best];
+    return best;
+}
 
-    const BlockSearch trial_search(tried);
-    std::vector<float> share_of_trial(count);
+/// What share of the error told around each trial is true: by those near by and, for less, by all.
+std::vector<float> list_shares(const Trials& trials, const BlockSearch& search, const BestScale& best, int threads)
+{
+    std::vector<float> shares(trials.results.size());
     parallel_for(
-        count, threads, {},
+        shares.size(), threads, {},
         [&](std::size_t t)
         {
             int near[pooled_trials];
             double squared[pooled_trials];
-            const int found = trial_search.nearest(tried[t], pooled_trials, near, squared);
-            double a = global_trials * agreed, b = global_trials * told;
+            const int found = search.nearest(trials.places[t], pooled_trials, near, squared);
+            double a = global_trials * best.agreed, b = global_trials * best.told;
             for (int k = 0; k < found; ++k)
             {
-                a += trials[std::size_t(near[k])].agreed[best];
-                b += trials[std::size_t(near[k])].told[best];
+                a += trials.results[std::size_t(near[k])].agreed[best.candidate];
+                b += trials.results[std::size_t(near[k])].told[best.candidate];
             }
-            share_of_trial[t] = float(believed_share(a, b));
+            shares[t] = float(believed_share(a, b));
         },
         64);
-    if (std::all_of(share_of_trial.begin(), share_of_trial.end(), [](float share) { return share == 0; }))
+    return shares;
+}
+
+} // namespace
+
+ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads)
+{
+    std::vector<int> sample;
+    ResidualField field = list_residuals(data, projected, sample);
+    const Trials trials = run_trials(data, field, sample, threads);
+    const BestScale best = choose_best_scale(trials.results);
+    field.robust_scale = robust_scales[best.candidate];
+    const BlockSearch search(trials.places);
+    const std::vector<float> shares = list_shares(trials, search, best, threads);
+    if (std::all_of(shares.begin(), shares.end(), [](float share) { return share == 0; }))
         return {};
     field.shares.resize(std::size_t(data.cells.size()));
     parallel_for(
         field.shares.size(), threads, {},
-        [&](std::size_t c)
-        { field.shares[c] = share_of_trial[std::size_t(trial_search.nearest(data.cells.means[c]))]; },
-        1024);
+        [&](std::size_t c) { field.shares[c] = shares[std::size_t(search.nearest(data.cells.means[c]))]; }, 1024);
     return field;
 }
 
@@ -252,32 +286,26 @@ void correct_by_residuals(const AmlsSurface::Data& data, const std::vector<int>&
     const std::vector<Run> runs = split_into_runs(
         projected.points, longest_run,
         [&](int i) { return run_radius * data.cells.scales[std::size_t(cells[std::size_t(i)])].width; });
-    parallel_chunks(runs.size(), threads, 64, progress,
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        ErrorTeller teller(field);
-                        for (std::size_t r = begin; r < end; ++r)
-                        {
-                            const Run& run = runs[r];
-                            double width = 0;
-                            for (int i = run.begin; i < run.end; ++i)
-                                if (field.shares[cells[i]] > 0)
-                                    width = std::max(width, data.cells.scales[cells[i]].width);
-                            if (width == 0)
-                                continue;
-                            teller.prepare(run.centre, run.radius + window_cut * window * width);
-                            for (int i = run.begin; i < run.end; ++i)
-                            {
-                                const float share = field.shares[cells[i]];
-                                if (share == 0 || !is_moved(projected.status[i]))
-                                    continue;
-                                const LocalScale& scale = data.cells.scales[cells[i]];
-                                teller.look_at(projected.points[i], projected.normals[i], scale.width);
-                                projected.points[i] +=
-                                    share * teller.error_by_all(scale.sigma, field.robust_scale) * projected.normals[i];
-                            }
-                        }
-                    });
+    visit_runs(
+        runs, threads, progress, [&] { return ErrorTeller(field); },
+        [&](ErrorTeller& teller, const Run& run)
+        {
+            const double width = largest_in(
+                run, [&](int i) { return field.shares[cells[i]] > 0 ? data.cells.scales[cells[i]].width : 0; });
+            if (width == 0)
+                return;
+            teller.prepare(run.centre, run.radius + window_cut * window * width);
+            for (int i = run.begin; i < run.end; ++i)
+            {
+                const float share = field.shares[cells[i]];
+                if (share == 0 || !is_moved(projected.status[i]))
+                    continue;
+                const LocalScale& scale = data.cells.scales[cells[i]];
+                teller.look_at(projected.points[i], projected.normals[i], scale.width);
+                projected.points[i] +=
+                    share * teller.error_by_all(scale.sigma, field.robust_scale) * projected.normals[i];
+            }
+        });
 }
 
 } // namespace recon

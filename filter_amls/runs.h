@@ -1,7 +1,9 @@
 #pragma once
 
 #include <recon/geometry.h>
+#include <recon/parallel.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace recon
@@ -39,6 +41,30 @@ std::vector<Run> split_into_runs(const Points& items, int longest, Reach&& reach
         begin = end;
     }
     return runs;
+}
+
+/// The largest of value(item) over a run, at least 0.
+template <class Value>
+double largest_in(const Run& run, Value&& value)
+{
+    double largest = 0;
+    for (int i = run.begin; i < run.end; ++i)
+        largest = std::max(largest, value(i));
+    return largest;
+}
+
+/// Calls visit(worker, run) for all runs; make() makes a worker, of which each belongs to one thread.
+template <class Make, class Visit>
+void visit_runs(const std::vector<Run>& runs, int threads, const Progress& progress, Make&& make, Visit&& visit)
+{
+    constexpr std::size_t grain = 64;
+    parallel_chunks(runs.size(), threads, grain, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        auto worker = make();
+                        for (std::size_t r = begin; r < end; ++r)
+                            visit(worker, runs[r]);
+                    });
 }
 
 } // namespace recon

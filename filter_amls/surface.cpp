@@ -118,6 +118,107 @@ void orient_by_given(const Cells& cells, const Vectors& given, Vectors& normals)
             normals[c] = -normals[c];
 }
 
+/// Sides of the landmarks, from which all cells take theirs, or from given normals.
+Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Vectors& given_normals, int threads,
+                   const Progress& progress)
+{
+    CellNormals& normals = data.cell_normals;
+    Points landmarks;
+    Vectors landmark_normals;
+    for (const int c : choice.landmarks)
+    {
+        landmarks.push_back(normals.feet[c]);
+        landmark_normals.push_back(normals.normals[c]);
+    }
+    Orientation orientation =
+        orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads, progress);
+    if (given_normals.empty())
+        orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
+    else
+    {
+        Vectors sorted;
+        for (int i : data.spatial.order)
+            sorted.push_back(given_normals[i]);
+        orient_by_given(data.cells, sorted, normals.normals);
+    }
+    return orientation;
+}
+
+/// Where the fits of the anchors begin.
+struct AnchorStarts
+{
+    std::vector<FitStart> starts;
+    double median_rho_e = 0; ///< That their widths amount to.
+};
+
+/// \param rho_e 0 = widths stay what the cells say; else these follow.
+AnchorStarts choose_starts(AmlsSurface::Data& data, const std::vector<int>& anchors, const Points& poles, double rho_e,
+                           int threads)
+{
+    Cells& cells = data.cells;
+    const CellNormals& normals = data.cell_normals;
+    Points feet;
+    std::vector<double> widths;
+    for (const int c : anchors)
+    {
+        feet.push_back(normals.feet[c]);
+        widths.push_back(cells.scales[c].width);
+        data.anchor_spacing.push_back(std::max(widths.back() * fine_spacing, 1 / std::sqrt(cells.scales[c].density)));
+    }
+    // Without rho_e the feature size only serves the report.
+    const std::size_t stride = rho_e > 0 ? 1 : std::max<std::size_t>(1, anchors.size() / reported_sizes);
+    Points asked;
+    for (std::size_t a = 0; a < anchors.size(); a += stride)
+        asked.push_back(feet[a]);
+    FeatureSizeOptions feature_options;
+    feature_options.threads = threads;
+    const std::vector<double> feature_size = measure_feature_size(asked, poles, feature_options);
+    if (rho_e > 0)
+    {
+        for (std::size_t a = 0; a < anchors.size(); ++a)
+            widths[a] = std::clamp(rho_e * feature_size[a] / rho_per_width,
+                                   narrowest_spacings / std::sqrt(cells.scales[anchors[a]].density), widest);
+        const NeighbourSearch feet_search(feet);
+        parallel_for(
+            std::size_t(cells.size()), threads, {},
+            [&](std::size_t c) { cells.scales[c].width = widths[feet_search.nearest(normals.feet[c])]; }, 1024);
+    }
+    std::vector<double> equivalent;
+    for (std::size_t i = 0; i < asked.size(); ++i)
+        if (std::isfinite(feature_size[i]))
+            equivalent.push_back(rho_per_width * widths[i * stride] / feature_size[i]);
+    AnchorStarts result;
+    result.median_rho_e = median(std::move(equivalent));
+    for (std::size_t a = 0; a < anchors.size(); ++a)
+        result.starts.push_back({feet[a], normals.normals[anchors[a]], widths[a], cells.scales[anchors[a]].sigma});
+    return result;
+}
+
+/// The points with the sides of their cells.
+FitSamples list_fit_samples(const AmlsSurface::Data& data, int threads)
+{
+    FitSamples samples{data.points, data.point_search, std::vector<double>(data.points.size()),
+                       Vectors(data.points.size())};
+    parallel_for(
+        data.points.size(), threads, {},
+        [&](std::size_t i)
+        {
+            const int c = data.cells.cell_of_point[i];
+            samples.weights[i] = data.cell_normals.kinds[c] == CellKind::outlier ? 0 : 1;
+            samples.normals[i] = data.cell_normals.normals[c];
+        },
+        4096);
+    return samples;
+}
+
+double median_width(const std::vector<FitStart>& starts)
+{
+    std::vector<double> widths;
+    for (const FitStart& start : starts)
+        widths.push_back(start.width);
+    return median(std::move(widths));
+}
+
 } // namespace
 
 const AmlsSurfaceReport& AmlsSurface::report() const
@@ -158,8 +259,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
 
     times.begin("width");
     data->point_search = BlockSearch(data->points);
-    const BlockSearch& search = data->point_search;
-    const LocalScales scales = choose_widths(data->points, search, noise, threads, progress.part(0.05, 0.15, "Width"));
+    const LocalScales scales =
+        choose_widths(data->points, data->point_search, noise, threads, progress.part(0.05, 0.15, "Width"));
     times.begin("cells");
     Cells& cells = data->cells;
     cells = average_cells(data->points, scales, threads, progress.part(0.15, 0.2, "Cells"));
@@ -176,74 +277,16 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         std::fill(normals.kinds.begin(), normals.kinds.end(), CellKind::regular);
         choice = choose_anchors(cells, normals, threads);
     }
-    const std::vector<int>& anchors = choice.anchors;
 
     times.begin("orientation");
-    Points landmarks;
-    Vectors landmark_normals;
-    for (const int c : choice.landmarks)
-    {
-        landmarks.push_back(normals.feet[c]);
-        landmark_normals.push_back(normals.normals[c]);
-    }
-    const Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads,
-                                                   progress.part(0.35, 0.85, "Orientation"));
-    if (given_normals.empty())
-        orient_cells(cells, normals.feet, choice, orientation.normals, normals.normals, threads);
-    else
-    {
-        Vectors sorted;
-        for (int i : data->spatial.order)
-            sorted.push_back(given_normals[i]);
-        orient_by_given(cells, sorted, normals.normals);
-    }
+    const Orientation orientation =
+        orient(*data, choice, given_normals, threads, progress.part(0.35, 0.85, "Orientation"));
 
     times.begin("fit");
-    Points feet;
-    std::vector<double> widths;
-    for (const int c : anchors)
-    {
-        feet.push_back(normals.feet[c]);
-        widths.push_back(cells.scales[c].width);
-        data->anchor_spacing.push_back(std::max(widths.back() * fine_spacing, 1 / std::sqrt(cells.scales[c].density)));
-    }
-    // Without rho_e the feature size only serves the report.
-    const std::size_t stride = options.rho_e > 0 ? 1 : std::max<std::size_t>(1, anchors.size() / reported_sizes);
-    Points asked;
-    for (std::size_t a = 0; a < anchors.size(); a += stride)
-        asked.push_back(feet[a]);
-    FeatureSizeOptions feature_options;
-    feature_options.threads = threads;
-    const std::vector<double> feature_size = measure_feature_size(asked, orientation.poles, feature_options);
-    if (options.rho_e > 0)
-    {
-        for (std::size_t a = 0; a < anchors.size(); ++a)
-            widths[a] = std::clamp(options.rho_e * feature_size[a] / rho_per_width,
-                                   narrowest_spacings / std::sqrt(cells.scales[anchors[a]].density), widest);
-        const NeighbourSearch feet_search(feet);
-        parallel_for(
-            std::size_t(cells.size()), threads, {},
-            [&](std::size_t c) { cells.scales[c].width = widths[feet_search.nearest(normals.feet[c])]; }, 1024);
-    }
-    std::vector<double> equivalent;
-    for (std::size_t i = 0; i < asked.size(); ++i)
-        if (std::isfinite(feature_size[i]))
-            equivalent.push_back(rho_per_width * widths[i * stride] / feature_size[i]);
-    std::vector<FitStart> starts;
-    for (std::size_t a = 0; a < anchors.size(); ++a)
-        starts.push_back({feet[a], normals.normals[anchors[a]], widths[a], cells.scales[anchors[a]].sigma});
-    FitSamples samples{data->points, search, std::vector<double>(data->points.size()), Vectors(data->points.size())};
-    parallel_for(
-        data->points.size(), threads, {},
-        [&](std::size_t i)
-        {
-            const int c = cells.cell_of_point[i];
-            samples.weights[i] = normals.kinds[c] == CellKind::outlier ? 0 : 1;
-            samples.normals[i] = normals.normals[c];
-        },
-        4096);
-    const double robust_scale = choose_robust_scale(samples, starts, threads);
-    data->anchors = fit_anchors(samples, starts, robust_scale, threads, progress.part(0.85, 0.95, "Fit"));
+    const AnchorStarts anchors = choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, threads);
+    const FitSamples samples = list_fit_samples(*data, threads);
+    const double robust_scale = choose_robust_scale(samples, anchors.starts, threads);
+    data->anchors = fit_anchors(samples, anchors.starts, robust_scale, threads, progress.part(0.85, 0.95, "Fit"));
     for (const Anchor& anchor : data->anchors)
         data->anchor_positions.push_back(anchor.position);
     data->anchor_search = BlockSearch(data->anchor_positions);
@@ -263,10 +306,10 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     report.noise = frame.scale() * noise.median_sigma();
     report.least_noise = noise.least_noise();
     report.spacing = frame.scale() * noise.median_spacing();
-    report.width = frame.scale() * median(widths);
-    report.rho_e = median(equivalent);
+    report.width = frame.scale() * median_width(anchors.starts);
+    report.rho_e = anchors.median_rho_e;
     report.cells = cells.size();
-    report.anchors = int(anchors.size());
+    report.anchors = int(anchors.starts.size());
     report.contradicted = orientation.contradicted;
     report.open = orientation.open;
     report.seconds = times.seconds();
