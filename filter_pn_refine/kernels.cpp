@@ -27,23 +27,7 @@ namespace recon::pn
 #define PN_INSTRUCTIONS 0
 namespace portable
 {
-#include "lanes.h"
-
-#include "ring_kernel.h"
-
-#include "gather_kernel.h"
-
-#include "front_kernel.h"
-
-#include "candidate_kernel.h"
-
-#include "refine_kernel.h"
-
-#include "finish_kernel.h"
-
-#include "box_kernel.h"
-
-#include "entry_kernel.h"
+#include "inner_loops.h"
 PN_TABLE("portable");
 } // namespace portable
 #undef PN_INSTRUCTIONS
@@ -56,23 +40,7 @@ PN_TABLE("portable");
 #define PN_INSTRUCTIONS 3
 namespace v3
 {
-#include "lanes.h"
-
-#include "ring_kernel.h"
-
-#include "gather_kernel.h"
-
-#include "front_kernel.h"
-
-#include "candidate_kernel.h"
-
-#include "refine_kernel.h"
-
-#include "finish_kernel.h"
-
-#include "box_kernel.h"
-
-#include "entry_kernel.h"
+#include "inner_loops.h"
 PN_TABLE("x86-64-v3");
 } // namespace v3
 #undef PN_INSTRUCTIONS
@@ -83,23 +51,7 @@ PN_TABLE("x86-64-v3");
 #define PN_INSTRUCTIONS 4
 namespace v4
 {
-#include "lanes.h"
-
-#include "ring_kernel.h"
-
-#include "gather_kernel.h"
-
-#include "front_kernel.h"
-
-#include "candidate_kernel.h"
-
-#include "refine_kernel.h"
-
-#include "finish_kernel.h"
-
-#include "box_kernel.h"
-
-#include "entry_kernel.h"
+#include "inner_loops.h"
 PN_TABLE("x86-64-v4");
 } // namespace v4
 #undef PN_INSTRUCTIONS

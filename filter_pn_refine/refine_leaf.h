@@ -30,7 +30,8 @@ struct RefineStep
     std::vector<int>& open_gaps;         ///< Per leaf: points whose neighbourhood stayed open.
 };
 
-/// Completes the neighbourhoods of all points to refine (section 5): colour after colour, leaves of one side by side.
+/// Completes the neighbourhoods of all points to refine (section 5): each leaf after those of lower colours that it
+/// meets, the others side by side.
 void refine_leaves(const RefineStep& step, int threads, const Progress& progress);
 
 } // namespace recon::pn
