@@ -17,36 +17,21 @@ int find_root(std::vector<int>& parent, int i)
     return i;
 }
 
-} // namespace
-
-MeshReport examine_mesh(const recon::TriangleMesh& mesh)
+/// Closed, manifold and oriented along its edges. \returns the number of edges.
+int examine_edges(const recon::TriangleMesh& mesh, MeshReport& report)
 {
-    MeshReport report;
-    const int vertex_count = int(mesh.vertices.size());
-    report.finite = std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); });
-
     struct Edge
     {
-        int a, b, triangle, direction;
+        int a, b, direction;
         bool operator<(const Edge& other) const { return a != other.a ? a < other.a : b < other.b; }
     };
     std::vector<Edge> edges;
-    std::vector<int> parent(vertex_count);
-    std::iota(parent.begin(), parent.end(), 0);
-    std::vector<std::vector<int>> triangles_at(vertex_count);
-    for (int t = 0; t < int(mesh.triangles.size()); ++t)
-    {
-        const auto& corners = mesh.triangles[t];
-        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
-            ++report.degenerate_triangles;
+    for (const auto& corners : mesh.triangles)
         for (int e = 0; e < 3; ++e)
         {
             const int from = corners[e], to = corners[(e + 1) % 3];
-            edges.push_back({std::min(from, to), std::max(from, to), t, from < to ? 1 : -1});
-            parent[find_root(parent, from)] = find_root(parent, to);
-            triangles_at[from].push_back(t);
+            edges.push_back({std::min(from, to), std::max(from, to), from < to ? 1 : -1});
         }
-    }
     std::sort(edges.begin(), edges.end());
 
     report.closed = report.edge_manifold = report.consistently_oriented = true;
@@ -63,38 +48,30 @@ MeshReport examine_mesh(const recon::TriangleMesh& mesh)
         report.consistently_oriented &= end - begin != 2 || direction == 0;
         begin = end;
     }
+    return edge_count;
+}
 
-    // A vertex is manifold if its triangles are connected through edges at it.
-    report.vertex_manifold = true;
-    int used = 0;
-    for (int v = 0; v < vertex_count; ++v)
-    {
-        const auto& around = triangles_at[v];
-        if (around.empty())
-        {
-            ++report.unreferenced_vertices;
-            continue;
-        }
-        ++used;
-        std::map<int, std::vector<int>> by_neighbour;
-        for (int i = 0; i < int(around.size()); ++i)
-            for (const int w : mesh.triangles[around[i]])
-                if (w != v)
-                    by_neighbour[w].push_back(i);
-        std::vector<int> fan(around.size());
-        std::iota(fan.begin(), fan.end(), 0);
-        for (const auto& entry : by_neighbour)
-            for (const int i : entry.second)
-                fan[find_root(fan, i)] = find_root(fan, entry.second.front());
-        for (int i = 1; i < int(around.size()); ++i)
-            report.vertex_manifold &= find_root(fan, i) == find_root(fan, 0);
-    }
+/// Whether the triangles at a vertex are connected through edges at it.
+bool is_one_fan(const recon::TriangleMesh& mesh, int vertex, const std::vector<int>& triangles)
+{
+    std::map<int, std::vector<int>> by_neighbour;
+    for (int i = 0; i < int(triangles.size()); ++i)
+        for (const int w : mesh.triangles[triangles[i]])
+            if (w != vertex)
+                by_neighbour[w].push_back(i);
+    std::vector<int> fan(triangles.size());
+    std::iota(fan.begin(), fan.end(), 0);
+    for (const auto& entry : by_neighbour)
+        for (const int i : entry.second)
+            fan[find_root(fan, i)] = find_root(fan, entry.second.front());
+    for (int i = 1; i < int(triangles.size()); ++i)
+        if (find_root(fan, i) != find_root(fan, 0))
+            return false;
+    return true;
+}
 
-    for (int v = 0; v < vertex_count; ++v)
-        if (!triangles_at[v].empty() && find_root(parent, v) == v)
-            ++report.components;
-    report.euler_characteristic = used - edge_count + int(mesh.triangles.size());
-
+double measure_volume(const recon::TriangleMesh& mesh)
+{
     long double volume = 0;
     for (const auto& t : mesh.triangles)
     {
@@ -103,7 +80,46 @@ MeshReport examine_mesh(const recon::TriangleMesh& mesh)
         volume += a.x() * (b.y() * c.z() - b.z() * c.y()) - a.y() * (b.x() * c.z() - b.z() * c.x()) +
                   a.z() * (b.x() * c.y() - b.y() * c.x());
     }
-    report.volume = double(volume / 6);
+    return double(volume / 6);
+}
+
+} // namespace
+
+MeshReport examine_mesh(const recon::TriangleMesh& mesh)
+{
+    MeshReport report;
+    report.finite = std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); });
+    const int vertex_count = int(mesh.vertices.size());
+    std::vector<int> parent(vertex_count);
+    std::iota(parent.begin(), parent.end(), 0);
+    std::vector<std::vector<int>> triangles_at(vertex_count);
+    for (int t = 0; t < int(mesh.triangles.size()); ++t)
+    {
+        const auto& corners = mesh.triangles[t];
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+            ++report.degenerate_triangles;
+        for (int e = 0; e < 3; ++e)
+        {
+            parent[find_root(parent, corners[e])] = find_root(parent, corners[(e + 1) % 3]);
+            triangles_at[corners[e]].push_back(t);
+        }
+    }
+
+    report.vertex_manifold = true;
+    int used = 0;
+    for (int v = 0; v < vertex_count; ++v)
+    {
+        if (triangles_at[v].empty())
+        {
+            ++report.unreferenced_vertices;
+            continue;
+        }
+        ++used;
+        report.vertex_manifold &= is_one_fan(mesh, v, triangles_at[v]);
+        report.components += find_root(parent, v) == v;
+    }
+    report.euler_characteristic = used - examine_edges(mesh, report) + int(mesh.triangles.size());
+    report.volume = measure_volume(mesh);
     return report;
 }
 
