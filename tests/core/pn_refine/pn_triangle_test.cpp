@@ -1,8 +1,13 @@
 #include "filter_pn_refine/pn_triangle.h"
 
+#include "filter_pn_refine/kernels.h"
+
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <random>
+#include <vector>
 
 namespace
 {
@@ -155,6 +160,92 @@ TEST(PnTriangle, Equation6OnConstructedCases)
     EXPECT_TRUE(pair(2 * h, limit - 1e-9));
     EXPECT_FALSE(pair(2 * h, limit + 1e-9));
     EXPECT_FALSE(pair(3.1, 0.2)); // nearly opposite
+}
+
+// What the filter runs are the vector loops of kernels.h; these tie them to the equations above.
+
+TEST(PnTriangle, EveryKernelMakesThePointsAndNormalsOfTheEquations)
+{
+    std::mt19937 random(9);
+    constexpr int count = 21; // no whole number of vectors
+    std::vector<recon::pn::WorkPoint> points(3 * count), made(count);
+    std::vector<std::array<int, 3>> corners(count), parents(count);
+    std::vector<Triangle> triangles;
+    for (int k = 0; k < count; ++k)
+    {
+        triangles.push_back(random_triangle(random));
+        const Triangle& t = triangles.back();
+        int m = 0;
+        for (const Corner* corner : {&t.a, &t.b, &t.c})
+        {
+            recon::pn::WorkPoint& p = points[std::size_t(3 * k + m)];
+            p.position = corner->position;
+            p.normal = corner->normal;
+            p.spacing = 1;
+            p.id = 1000 + 3 * k + m;
+            corners[std::size_t(k)][std::size_t(m)] = 3 * k + m;
+            ++m;
+        }
+    }
+    for (const recon::pn::Kernels* kernel : recon::pn::all_kernels())
+    {
+        kernel->finish_children(points.data(), corners.data(), count, made.data(), parents.data());
+        for (std::size_t k = 0; k < count; ++k)
+        {
+            const Triangle& t = triangles[k];
+            const auto tangents = recon::pn_tangents(t.a, t.b, t.c);
+            const Vec &a = t.a.position, &b = t.b.position, &c = t.c.position;
+            EXPECT_LT((made[k].position - recon::pn_centre(a, b, c, tangents)).norm(), 1e-14) << kernel->instructions;
+            EXPECT_LT((made[k].normal - recon::pn_centre_normal(a, b, c, tangents).normalized()).norm(), 1e-13)
+                << kernel->instructions;
+            EXPECT_EQ(parents[k], (std::array{points[3 * k].id, points[3 * k + 1].id, points[3 * k + 2].id}));
+        }
+    }
+}
+
+TEST(PnTriangle, EveryKernelMovesTheRingOutToTheGeodesicDistance)
+{
+    std::mt19937 random(10);
+    std::uniform_real_distribution<double> u(-1, 1);
+    constexpr int count = 12;
+    constexpr double radius = 3;
+    const Corner centre{Vec::Zero(), Vec(0.1, -0.2, 1).normalized()};
+    std::vector<Corner> around;
+    recon::pn::LocalPoints local;
+    local.reserve(count);
+    for (int k = 0; k < count; ++k)
+    {
+        const double angle = 2 * M_PI * k / count;
+        around.push_back({Vec(std::cos(angle), std::sin(angle), 0.2 * u(random)),
+                          Vec(0.4 * u(random), 0.4 * u(random), 1).normalized()});
+        const Corner& p = around.back();
+        local.x[k] = float(p.position.x());
+        local.y[k] = float(p.position.y());
+        local.z[k] = float(p.position.z());
+        local.nx[k] = float(p.normal.x());
+        local.ny[k] = float(p.normal.y());
+        local.nz[k] = float(p.normal.z());
+    }
+    local.count = count;
+    local.pad(count);
+    recon::pn::Centre c{0, 0, 0, {}, {}, {}, float(1 / radius)};
+    for (int d = 0; d < 3; ++d)
+        c.n[d] = float(centre.normal[d]);
+    recon::pn::set_tangents(c);
+    for (const recon::pn::Kernels* kernel : recon::pn::all_kernels())
+    {
+        recon::pn::Ring ring;
+        recon::pn::Fan fan;
+        std::vector<std::int32_t> hits(count + 2 * recon::pn::lane_count);
+        const int found = kernel->find_near(local, c, hits.data());
+        kernel->make_fan(local, c, hits.data(), found, true, ring, fan);
+        ASSERT_EQ(ring.count, count) << kernel->instructions;
+        for (int k = 0; k < count; ++k)
+        {
+            const double expected = recon::geodesic_distance(centre, around[std::size_t(ring.source[k])]);
+            EXPECT_NEAR(radius * std::hypot(ring.u[k], ring.v[k]), expected, 1e-4 * expected) << kernel->instructions;
+        }
+    }
 }
 
 } // namespace
