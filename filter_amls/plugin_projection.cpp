@@ -68,7 +68,7 @@ plugin::ParameterTable<ProjectionFilterOptions> projection_table()
         .choice(
             "weights", &Options::weights, {"anchors with curvature", "paper's normalised I", "paper's plain N"},
             "Weights",
-            "anchors with curvature: small quadrics fitted to averaged points. paper's normalised I, paper's plain N: "
+            "anchors with curvature: small quadrics fitted to the points. paper's normalised I, paper's plain N: "
             "the functions of the paper over all points, with a much smaller domain of convergence for N.")
         .count("max_iterations", &Options::max_iterations, "Iterations",
                "Newton steps per point. 0: 6, or 30 for the paper's.")
@@ -137,7 +137,6 @@ Projected project_to_paper(const Points& queries, const Points& defining, const 
                            const ProjectionFilterOptions& options, const recon::Progress& progress,
                            plugin::FilterResult& result)
 {
-    constexpr double paper_rho = 0.75;
     constexpr int smoothed_over = 20; // samples; poles scatter under noise
     recon::DelaunayBallOptions balls;
     balls.threads = options.surface.threads;
@@ -162,7 +161,8 @@ Projected project_to_paper(const Points& queries, const Points& defining, const 
     how.threads = options.surface.threads;
     how.surface =
         options.weights == Weights::paper_plain ? recon::PlainSurface::plain_n : recon::PlainSurface::normalised;
-    how.rho_e = options.surface.rho_e > 0 ? options.surface.rho_e : paper_rho;
+    if (options.surface.rho_e > 0)
+        how.rho_e = options.surface.rho_e;
     how.tolerance = options.tolerance * 0.1;
     if (options.max_iterations != 0)
         how.max_iterations = options.max_iterations;
