@@ -1,6 +1,7 @@
 #include "refine.h"
 
-#include <filter_amls/delaunay_ball_normals.h>
+#include <filter_amls/project.h>
+#include <filter_amls/surface.h>
 
 #include <meshlab/filter_spec.h>
 
@@ -69,13 +70,18 @@ bool has_normals(const plugin::InputLayer& layer)
                        [](const recon::Vector& n) { return n.allFinite() && n.squaredNorm() > 0; });
 }
 
+/// As 'Compute normals from Delaunay balls' does by default: the paper's normals turn over in patches where there is
+/// noise, or a rim.
 recon::Vectors compute_normals(const recon::Points& points, int threads, const recon::Progress& progress)
 {
-    recon::DelaunayBallOptions options;
-    options.threads = threads;
+    recon::AmlsOptions surface;
+    surface.threads = threads;
+    recon::AmlsProjectionOptions projection;
+    projection.threads = threads;
     try
     {
-        return recon::find_delaunay_ball_normals(points, options, progress).normals;
+        const recon::AmlsSurface found = recon::build_amls_surface(points, surface, progress.part(0, 0.8, "normals"));
+        return recon::project_to_amls(points, found, projection, progress.part(0.8, 1, "normals")).normals;
     }
     catch (const recon::InvalidInput& problem) // of flat clouds, which can be refined all the same
     {

@@ -107,6 +107,15 @@ def test_without_normals_they_are_computed():
     assert np.mean(cosines > 0.9) > 0.99
 
 
+def test_without_normals_noise_turns_none_over():
+    exact = sphere_points(4000, 5)
+    points = exact + np.random.default_rng(6).normal(scale=0.005, size=exact.shape)
+    meshes = mesh_set(points)
+    assert meshes.apply_filter(FILTER.python_name, steps=0)["turned_normals"] == 0
+    cosines = np.einsum("ij,ij->i", meshes.current_mesh().vertex_normal_matrix(), exact)
+    assert np.mean(cosines > 0) > 0.999
+
+
 def test_in_place_keeps_the_layer_and_its_faces():
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.create_sphere(subdiv=4)
