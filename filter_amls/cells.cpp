@@ -1,13 +1,12 @@
 #include "cells.h"
 
 #include "runs.h"
+#include "sparse_parts.h"
 #include "voxel_table.h"
 #include "weighted_sums.h"
 
 #include <recon/block_search.h>
 #include <recon/parallel.h>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -24,13 +23,10 @@ constexpr double normal_points = 30; // effective points that a normal needs
 constexpr double least_spread = 0.3; // of the variance that a filled window has
 constexpr double widening_step = 1.4;
 constexpr int most_widenings = 3;
-constexpr double isolated_mass = 0.15, isolated_radius = 3.7;
-constexpr int isolated_points = 6;
-constexpr double isolated_share = 0.03;
-constexpr double dense_mass = 0.7, lonely_mass = 0.08, detail_radius = 1; // radius in widths
-constexpr int patch_cells = 12;
-constexpr double patch_flatness = 0.01, patch_extent = 0.1; // ratios of variances
-constexpr double patch_offset = 0.5;                        // of the distance of the farthest of these cells
+constexpr double isolated_company = 0.2;
+constexpr double detail_radius = 1.9, detail_sigmas = 1.5; // spacings, and so much of the noise
+constexpr double sparse_width = 1.6;                       // spacings: width of a sparse part beside a dense one,
+constexpr double empty_width = 1.5;                        // whose own width is so much narrower than these spacings
 constexpr double stray_mass = 0.5, stray_share = 0.3, stray_radius = 4.5; // radius in sigmas
 constexpr double run_radius = 0.9;                                        // widths
 constexpr int longest_run = 32, longest_seed_run = 64;
@@ -74,7 +70,9 @@ public:
             result.normals[c] = plane.normal;
             result.feet[c] = origin + foot;
             const double slab = std::sqrt(1 + 2 * scale.sigma * scale.sigma / (h * h));
-            result.mass[c] = plane.mass * slab / (pi * h * h * scale.density);
+            const double full = pi * h * h * scale.density / slab;
+            result.mass[c] = plane.mass / full;
+            result.company[c] = (plane.mass - cells_.counts[c]) / full;
         }
     }
 
@@ -105,29 +103,33 @@ private:
     Gathered around_run_, around_cell_;
 };
 
-/// Whether the points around a cell form a piece of surface, if a sparse one: its nearest cells lie in a plane as good
-/// as points scattered through space rarely do, and all around it.
-bool is_sparse_surface(const Cells& cells, const BlockSearch& search, int cell)
+/// Sees to cells with hardly any others within their width that belong to a sparse part beside a dense one, whose
+/// scales they have by their seed: where the width holds none of the part's samples, scales are replaced and planes
+/// fitted again.
+void rescale_sparse_parts(Cells& cells, const BlockSearch& search, CellNormals& result, int threads)
 {
-    int near[patch_cells];
-    double squared[patch_cells], reach = 2 * cells.scales[cell].width;
-    const int count = search.nearest(cells.means[cell], patch_cells, near, squared, reach);
-    if (count < patch_cells)
-        return false;
-    Vector mean = Vector::Zero();
-    for (const int i : near)
-        mean += (cells.means[i] - cells.means[cell]) / patch_cells;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (const int i : near)
+    std::vector<int> lonely;
+    for (int c = 0; c < cells.size(); ++c)
+        if (result.company[c] < isolated_company)
+            lonely.push_back(c);
+    const std::vector<LonelyCell> found = find_sparse_parts(cells, search, lonely, threads);
+    PlaneFitter fitter(cells, search);
+    for (std::size_t k = 0; k < lonely.size(); ++k)
     {
-        const Vector d = cells.means[i] - cells.means[cell] - mean;
-        covariance += d * d.transpose() / (patch_cells * squared[patch_cells - 1]);
+        if (!found[k].belongs)
+            continue;
+        const int c = lonely[k];
+        LocalScale& scale = cells.scales[c];
+        const double spacing = found[k].spacing;
+        if (spacing > empty_width * scale.width * result.widening[c])
+        {
+            scale.density = std::min(scale.density, cells.counts[c] / (spacing * spacing));
+            scale.width = std::max(scale.width, sparse_width * spacing);
+            result.widening[c] = 1;
+            fitter.fit({c, c + 1, cells.means[c], 0}, result);
+        }
+        result.company[c] = std::max(result.company[c], isolated_company);
     }
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(covariance);
-    const Eigen::Vector3d spread = solver.eigenvalues();
-    return spread[0] < patch_flatness * spread[1] && spread[1] > patch_extent * spread[2] &&
-           mean.squaredNorm() < patch_offset * patch_offset * squared[patch_cells - 1];
 }
 
 } // namespace
@@ -180,13 +182,14 @@ Cells average_cells(const Points& points, const LocalScales& scales, int threads
     return cells;
 }
 
-CellNormals estimate_cell_normals(const Cells& cells, const BlockSearch& search, int threads, const Progress& progress)
+CellNormals estimate_cell_normals(Cells& cells, const BlockSearch& search, int threads, const Progress& progress)
 {
     const int n = cells.size();
     CellNormals result;
     result.normals.assign(n, Vector::UnitZ());
     result.feet = cells.means;
     result.mass.assign(n, 0);
+    result.company.assign(n, 0);
     result.kinds.assign(n, CellKind::regular);
     result.widening.assign(n, 1);
 
@@ -201,33 +204,24 @@ CellNormals estimate_cell_normals(const Cells& cells, const BlockSearch& search,
                             fitter.fit(runs[r], result);
                     });
 
+    rescale_sparse_parts(cells, search, result, threads);
     parallel_chunks(std::size_t(n), threads, 1024, progress.part(0.8, 1, "Normals"),
                     [&](std::size_t begin, std::size_t end)
                     {
                         std::vector<int> found;
                         for (std::size_t c = begin; c < end; ++c)
                         {
-                            if (result.mass[c] >= isolated_mass)
+                            if (result.company[c] >= isolated_company)
                                 continue;
                             const LocalScale& scale = cells.scales[c];
-                            search.within(cells.means[c], isolated_radius * scale.width, found);
-                            double points = 0, nearest = 1e300;
-                            for (int i : found)
-                            {
-                                points += cells.counts[i];
-                                if (result.mass[i] >= dense_mass)
-                                    nearest = std::min(nearest, (cells.means[i] - cells.means[c]).squaredNorm());
-                            }
-                            // Alone, or so far above a dense surface that neither noise nor detail explains it.
-                            const double reach = std::max(stray_radius * scale.sigma, detail_radius * scale.width);
-                            // Of what a surface of that density has within the radius; scattered outliers are not quite
-                            // alone.
-                            const double r = isolated_radius * scale.width;
-                            const double fewest =
-                                std::max<double>(isolated_points, isolated_share * pi * r * r * scale.density);
-                            const bool alone = points < fewest || (nearest < 1e300 && nearest > reach * reach &&
-                                                                   result.mass[c] < lonely_mass);
-                            isolated[c] = alone && !is_sparse_surface(cells, search, int(c));
+                            // Near others noise or detail may explain it.
+                            search.within(
+                                cells.means[c],
+                                std::max(stray_radius * scale.sigma,
+                                         detail_radius / std::sqrt(scale.density) + detail_sigmas * scale.sigma),
+                                found);
+                            isolated[c] = std::none_of(found.begin(), found.end(),
+                                                       [&](int i) { return result.company[i] >= isolated_company; });
                         }
                     });
     for (int c = 0; c < n; ++c)

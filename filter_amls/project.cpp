@@ -26,9 +26,10 @@ constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
 constexpr double domain = 0.9;     // local feature sizes from which Newton's method on I returns (figure 11, measured)
 constexpr double unresolved = 0.5; // spacings: samples do not tell closer detail
-constexpr int asked_neighbours = 6, agreeing_neighbours = 2;    // that tell an edge from an outlier
-constexpr double agreeing_motion = 0.1, neighbour_distance = 4; // share of the motion; spacings
-constexpr double slack = 0.35; // widths: how far a point may move before its anchors are gathered again
+constexpr int asked_neighbours = 6, agreeing_neighbours = 2; // that tell an edge from an outlier
+constexpr double agreeing_motion = 0.1, agreeing_noise = 2.5,
+                 neighbour_distance = 4; // share of the motion; sigmas; spacings
+constexpr double slack = 0.35;           // widths: how far a point may move before its anchors are gathered again
 constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
 /// Times 1 - cosine of the turn: how much stricter agreement is with anchors that face elsewhere.
 constexpr double turning = 3;
@@ -357,7 +358,10 @@ private:
                 continue;
             const Point& other = data_.points[std::size_t(near[k])];
             const Landing landing = land(other, cell);
-            agreeing += landing.found && (landing.x - other).dot(motion) > agreeing_motion * squared_motion;
+            agreeing += landing.found &&
+                        (landing.x - other).dot(motion) >
+                            std::sqrt(squared_motion) *
+                                std::max(agreeing_motion * std::sqrt(squared_motion), agreeing_noise * scale.sigma);
         }
         return agreeing >= agreeing_neighbours;
     }

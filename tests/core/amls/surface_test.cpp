@@ -287,6 +287,38 @@ TEST(AmlsSurface, FindsOutliersThatAreNotQuiteAlone)
     EXPECT_LT(mistaken, 0.001 * double(genuine));
 }
 
+TEST(AmlsSurface, SparsePartBesideDenseOneIsNoOutlier)
+{
+    // The belt is 20 times as dense as the rest, whose samples have the belt's scales by their nearest seed.
+    Points points = shapes::sphere(1200, 1, 61).points;
+    const std::size_t sparse = points.size();
+    for (const Point& p : shapes::sphere(24000, 1, 62).points)
+        if (std::abs(p.z()) < 0.1)
+            points.push_back(p);
+    for (const double sigma : {0.0, 0.003})
+    {
+        const AmlsProjection result = project_all(shapes::with_noise(points, sigma, 63));
+        EXPECT_EQ(result.count(ProjectionStatus::outlier), 0);
+        for (std::size_t i = 0; i < sparse; ++i)
+            EXPECT_LT(shapes::distance_to_sphere(result.points[i], 1), 0.02);
+    }
+}
+
+TEST(AmlsSurface, FindsLonePointsAFewSpacingsOffACleanSurface)
+{
+    const int n = 8000, lone = 12;
+    const double spacing = std::sqrt(4 * 3.14159265 / n);
+    for (const double off : {2.5, 4.0})
+    {
+        Points points = shapes::sphere(n, 1, 64).points;
+        for (const Point& p : shapes::sphere(lone, 1 + off * spacing, 65).points)
+            points.push_back(p);
+        const AmlsProjection result = project_all(points);
+        EXPECT_EQ(result.count(ProjectionStatus::outlier), lone);
+        EXPECT_EQ(std::count(result.status.begin() + n, result.status.end(), ProjectionStatus::outlier), lone);
+    }
+}
+
 TEST(AmlsSurface, TakesSidesFromGivenNormals)
 {
     const OrientedSamples sphere = shapes::sphere(3000, 1, 25);
