@@ -20,6 +20,30 @@ struct Pair
     double length;
 };
 
+/// Whether the planes of samples i and j, which meet at x, are two faces of an edge: both samples lie on the same side
+/// of the other's plane, and no sample around x has a normal between the two, as where a surface just bends.
+bool is_edge(const UsableSamples& usable, const NeighbourSearch& search, std::size_t i, std::size_t j, const Point& x)
+{
+    const Points& points = usable.samples.points;
+    const Vectors& normals = usable.samples.normals;
+    const Vector &a = normals[i], &b = normals[j];
+    if ((points[i] - x).dot(b) * (points[j] - x).dot(a) <= 0)
+        return false;
+    constexpr int k = 12;
+    constexpr double between = 0.75; // of the angle from one face to the other, seen from either
+    const double least = std::cos(between * std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+    const double reach = 1.5 * std::max((points[i] - x).norm(), (points[j] - x).norm());
+    int near[k];
+    double squared[k];
+    const int found = search.nearest(x, k, near, squared);
+    return std::none_of(near, near + found,
+                        [&](int m)
+                        {
+                            const Vector& n = normals[std::size_t(m)];
+                            return (points[std::size_t(m)] - x).norm() < reach && n.dot(a) > least && n.dot(b) > least;
+                        });
+}
+
 /// Adds one position with the normals of the samples around it.
 void add(const UsableSamples& usable, const Point& x, std::initializer_list<int> around, AddedSamples& creases)
 {
@@ -34,7 +58,8 @@ void add(const UsableSamples& usable, const Point& x, std::initializer_list<int>
 }
 
 /// Adds corners, where the planes of three near samples meet. `pairs`: near samples on different faces, shortest first.
-void add_corners(const UsableSamples& usable, const std::vector<Pair>& pairs, SparseSet& taken, AddedSamples& creases)
+void add_corners(const UsableSamples& usable, const NeighbourSearch& search, const std::vector<Pair>& pairs,
+                 SparseSet& taken, AddedSamples& creases)
 {
     const Points& points = usable.samples.points;
     const Vectors& normals = usable.samples.normals;
@@ -58,6 +83,9 @@ void add_corners(const UsableSamples& usable, const std::vector<Pair>& pairs, Sp
             const Point x = points[a] + planes.inverse() * heights;
             const double size = std::max((points[a] - points[c]).norm(), (points[b] - points[c]).norm());
             if ((x - (points[a] + points[b] + points[c]) / 3).norm() > size || taken.has_near(x))
+                continue;
+            if (!is_edge(usable, search, a, b, x) || !is_edge(usable, search, b, c, x) ||
+                !is_edge(usable, search, a, c, x))
                 continue;
             taken.add(x);
             add(usable, x, {pair.i, pair.j, k}, creases);
@@ -95,7 +123,7 @@ AddedSamples detect_creases(const UsableSamples& usable, const NeighbourSearch& 
     for (std::size_t i = 0; i < points.size(); ++i)
         if (usable.is_crease[i])
             taken.add(points[i]);
-    add_corners(usable, pairs, taken, creases);
+    add_corners(usable, search, pairs, taken, creases);
     for (const Pair& pair : pairs)
     {
         const auto i = std::size_t(pair.i), j = std::size_t(pair.j);
@@ -107,7 +135,7 @@ AddedSamples detect_creases(const UsableSamples& usable, const NeighbourSearch& 
             continue;
         const Point x = middle + ((da - c * db) / d) * a + ((db - c * da) / d) * b;
         // Farther away the two belong to different sheets, not to two sides of one crease.
-        if ((x - middle).norm() > pair.length || taken.has_near(x))
+        if ((x - middle).norm() > pair.length || taken.has_near(x) || !is_edge(usable, search, i, j, x))
             continue;
         taken.add(x);
         add(usable, x, {pair.i, pair.j}, creases);

@@ -90,6 +90,14 @@ TEST(Creases, WithoutPreservingThemTheyAreNotRefined)
     EXPECT_EQ(refine_points(cube(6), options).crease_segments, 0);
 }
 
+TEST(Creases, ABendThatIsSampledSparselyIsNone)
+{
+    PnRefineOptions options = one_thread(0);
+    options.detect_creases = true;
+    // Nine samples go round the tube: neighbours' normals differ by as much as at an edge.
+    EXPECT_LT(refine_points(shapes::torus(1000, 1, 0.3, 1), options).crease_points, 30);
+}
+
 TEST(Creases, AreDetectedFromNormals)
 {
     const OrientedSamples samples = shapes::box(4000, Vector(2, 2, 2), 5); // none on the edges
