@@ -29,6 +29,8 @@ public:
 
     /// Index of the nearest point, -1 if there are none.
     int nearest(const Point& query) const;
+    /// The same, faster where the point of index `guess` is near. Of equally near ones the lowest index.
+    int nearest_from(const Point& query, int guess) const;
 
     /// Indices of all points within `radius` of `query`, ascending; replaces the content of `indices`.
     void within(const Point& query, double radius, std::vector<int>& indices) const;

@@ -4,6 +4,7 @@
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/interpolate_samples.h>
+#include <recon/nearest_samples.h>
 #include <recon/weld_clusters.h>
 
 #include <cmath>
@@ -29,7 +30,11 @@ std::vector<double> list_scales(const CrustPolygons& polygons, const LabelledBal
 TriangleMesh simplify(CrustPolygons polygons, const LabelledBalls& labelled, const CrustOptions& options,
                       const Progress& progress)
 {
-    WeldedCrust welded = weld_clusters(polygons, list_scales(polygons, labelled), options.threads);
+    NearestSamples nearest;
+    if (options.interpolated)
+        nearest = find_nearest_samples(polygons.vertices, *options.interpolated, options.threads);
+    WeldedCrust welded = weld_clusters(polygons, list_scales(polygons, labelled),
+                                       options.interpolated ? &nearest : nullptr, options.threads);
     polygons = {}; // ten corners a sample: a fifth of the memory of all that follows
     progress.report(0.4);
     TriangleMesh mesh = std::move(welded.mesh);
@@ -39,7 +44,13 @@ TriangleMesh simplify(CrustPolygons polygons, const LabelledBalls& labelled, con
     std::vector<int> seats;
     if (options.interpolated)
     {
-        seats = seat_samples(mesh.vertices, *options.interpolated, options.threads);
+        NearestSamples of_vertices;
+        for (const int c : welded.corner)
+        {
+            of_vertices.sample.push_back(nearest.sample[c]);
+            of_vertices.squared.push_back(nearest.squared[c]);
+        }
+        seats = seat_samples(of_vertices, options.interpolated->size());
         for (const int sample : seats)
             collapse.stays.push_back(sample >= 0);
     }

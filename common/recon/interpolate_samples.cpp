@@ -144,22 +144,13 @@ private:
 
 } // namespace
 
-std::vector<int> seat_samples(const Points& vertices, const Points& samples, int threads)
+std::vector<int> seat_samples(const NearestSamples& nearest, std::size_t sample_count)
 {
-    const BlockSearch search(samples);
-    struct Nearest
-    {
-        int sample;
-        double squared;
-    };
-    std::vector<Nearest> nearest(vertices.size());
-    parallel_for(vertices.size(), threads, {},
-                 [&](std::size_t v) { search.nearest(vertices[v], 1, &nearest[v].sample, &nearest[v].squared); });
-    std::vector<int> seat(samples.size(), -1);
-    for (int v = 0; v < int(vertices.size()); ++v)
-        if (int& taken = seat[nearest[v].sample]; taken < 0 || nearest[v].squared < nearest[taken].squared)
+    std::vector<int> seat(sample_count, -1);
+    for (int v = 0; v < int(nearest.sample.size()); ++v)
+        if (int& taken = seat[nearest.sample[v]]; taken < 0 || nearest.squared[v] < nearest.squared[taken])
             taken = v;
-    std::vector<int> result(vertices.size(), -1);
+    std::vector<int> result(nearest.sample.size(), -1);
     for (int i = 0; i < int(seat.size()); ++i)
         if (seat[i] >= 0)
             result[seat[i]] = i;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <recon/geometry.h>
+#include <recon/nearest_samples.h>
 
 #include <vector>
 
@@ -8,8 +9,8 @@ namespace recon
 {
 
 /// For vertices that lie near samples: the sample that has its seat there, -1 if none has. A sample's seat is the
-/// nearest of the vertices whose nearest sample it is. `threads` >= 1.
-std::vector<int> seat_samples(const Points& vertices, const Points& samples, int threads = 1);
+/// nearest of the vertices whose nearest sample it is.
+std::vector<int> seat_samples(const NearestSamples& of_vertices, std::size_t sample_count);
 
 /// Makes a crust pass through samples that are free of noise: vertices move to the samples that have their seats there,
 /// samples without a seat become new vertices, and edges are flipped so that the surface bends least (flip_edges.h).

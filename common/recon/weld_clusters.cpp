@@ -29,8 +29,10 @@ void for_each_polygon(const CrustPolygons& polygons, int threads, Function&& cal
 }
 
 /// Per vertex the lowest vertex of its cluster.
-std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<double>& scale, int threads)
+std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<double>& scale,
+                               const NearestSamples* nearest, int threads)
 {
+    const double length = nearest ? cluster_length_in_cell : cluster_length;
     DisjointSets sets(polygons.vertices.size());
     for_each_polygon(polygons, threads,
                      [&](std::size_t p)
@@ -38,21 +40,27 @@ std::vector<int> find_clusters(const CrustPolygons& polygons, const std::vector<
                          for_each_side(polygons, p,
                                        [&](int a, int b)
                                        {
-                                           const double reach = cluster_length * std::min(scale[a], scale[b]);
-                                           if (a < b && (polygons.vertices[a] - polygons.vertices[b]).squaredNorm() <= reach * reach)
+                                           if (nearest && nearest->sample[a] != nearest->sample[b])
+                                               return;
+                                           const double reach = length * std::min(scale[a], scale[b]);
+                                           if (a < b && (polygons.vertices[a] - polygons.vertices[b]).squaredNorm() <=
+                                                            reach * reach)
                                                sets.join(a, b);
                                        });
                      });
     std::vector<int> cluster(polygons.vertices.size());
-    parallel_for(cluster.size(), threads, {}, [&](std::size_t i) { cluster[i] = sets.find(int(i)); }, grain);
+    parallel_for(
+        cluster.size(), threads, {}, [&](std::size_t i) { cluster[i] = sets.find(int(i)); }, grain);
     return cluster;
 }
 
 /// Per cluster (at its lowest vertex) vertices - edges + faces.
-std::vector<int> count_euler_characteristics(const CrustPolygons& polygons, const std::vector<int>& cluster, int threads)
+std::vector<int> count_euler_characteristics(const CrustPolygons& polygons, const std::vector<int>& cluster,
+                                             int threads)
 {
     std::vector<int> twice(cluster.size(), 0);
-    parallel_for(cluster.size(), threads, {}, [&](std::size_t i) { fetch_add(twice[cluster[i]], 2); }, grain);
+    parallel_for(
+        cluster.size(), threads, {}, [&](std::size_t i) { fetch_add(twice[cluster[i]], 2); }, grain);
     for_each_polygon(polygons, threads,
                      [&](std::size_t p)
                      {
@@ -83,8 +91,19 @@ void dissolve(const std::vector<char>& is_bad, std::vector<int>& cluster)
             cluster[i] = i;
 }
 
-/// What is left of the corners of each polygon by list(polygon, corners), which appends them; polygons with fewer than three are
-/// dropped. Without vertices.
+/// Per cluster (at its lowest corner) the corner at which it lies.
+std::vector<int> place(const std::vector<int>& cluster, const NearestSamples* nearest)
+{
+    std::vector<int> result = cluster;
+    if (nearest)
+        for (int i = 0; i < int(cluster.size()); ++i)
+            if (int& chosen = result[cluster[i]]; nearest->squared[i] < nearest->squared[chosen])
+                chosen = i;
+    return result;
+}
+
+/// What is left of the corners of each polygon by list(polygon, corners), which appends them; polygons with fewer than
+/// three are dropped. Without vertices.
 template <class List>
 CrustPolygons relist(const CrustPolygons& polygons, int threads, List&& list)
 {
@@ -152,21 +171,24 @@ CrustPolygons contract(const CrustPolygons& polygons, const std::vector<int>& cl
 
 } // namespace
 
-WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<double>& scale, int threads)
+WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<double>& scale,
+                          const NearestSamples* nearest, int threads)
 {
-    std::vector<int> cluster = find_clusters(polygons, scale, threads);
+    std::vector<int> cluster = find_clusters(polygons, scale, nearest, threads);
     const std::vector<int> characteristic = count_euler_characteristics(polygons, cluster, threads);
     std::vector<char> is_bad(cluster.size());
     parallel_for(
-        cluster.size(), threads, {},
-        [&](std::size_t i) { is_bad[i] = cluster[i] == int(i) && characteristic[i] != 1; }, grain);
+        cluster.size(), threads, {}, [&](std::size_t i) { is_bad[i] = cluster[i] == int(i) && characteristic[i] != 1; },
+        grain);
     dissolve(is_bad, cluster);
     constexpr int rounds = 4;
     WeldedCrust result;
+    std::vector<int> corner;
     for (int round = 1;; ++round)
     {
         CrustPolygons contracted = contract(polygons, cluster, threads);
-        contracted.vertices = polygons.vertices;
+        corner = place(cluster, nearest);
+        contracted.vertices = points_at(corner, polygons.vertices);
         result.mesh = triangulate_polygons(contracted, threads);
         result.half_edges = pair_half_edges(result.mesh, threads);
         if (result.half_edges.faulty.empty() || round > rounds)
@@ -179,7 +201,7 @@ WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<doubl
         dissolve(is_bad, cluster);
     }
 
-    // Only the lowest vertex of each cluster is left.
+    // Only the lowest corner of each cluster is left.
     std::vector<int> number(cluster.size(), -1), merged(cluster.size(), 0);
     for (const int c : cluster)
         ++merged[c];
@@ -188,10 +210,11 @@ WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<doubl
         {
             const std::size_t n = result.scale.size();
             number[i] = int(n);
-            result.mesh.vertices[n] = polygons.vertices[i];
+            result.mesh.vertices[n] = result.mesh.vertices[i];
             result.half_edges.outgoing[n] = result.half_edges.outgoing[i];
             result.half_edges.degree[n] = result.half_edges.degree[i];
-            result.scale.push_back(scale[i]);
+            result.scale.push_back(scale[corner[i]]);
+            result.corner.push_back(corner[i]);
             result.merged.push_back(merged[i]);
         }
     result.half_edges.outgoing.resize(result.scale.size());

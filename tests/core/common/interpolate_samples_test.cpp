@@ -4,6 +4,8 @@
 #include <recon/half_edge_mesh.h>
 #include <recon/interpolate_samples.h>
 #include <recon/labelled_balls.h>
+#include <recon/nearest_samples.h>
+#include <recon/weld_clusters.h>
 
 #include <gtest/gtest.h>
 
@@ -126,7 +128,7 @@ TEST(InterpolateSamples, LeavesOutWhatLiesOffTheSurface)
         const Point lifted = samples[centre] + Point(0, 0, height), above = Point(0.17, 0.08, height);
         samples[centre] = lifted;
         samples.push_back(above);
-        interpolate_samples(mesh, seat_samples(mesh.vertices, samples), samples);
+        interpolate_samples(mesh, seat_samples(find_nearest_samples(mesh.vertices, samples), samples.size()), samples);
         EXPECT_TRUE(checks::examine_mesh(mesh).is_closed_oriented_manifold());
         return std::pair(count_samples_among(mesh.vertices, {lifted}), count_samples_among(mesh.vertices, {above}));
     };
@@ -142,11 +144,29 @@ TEST(InterpolateSamples, IsTheSameForAnyNumberOfThreads)
     EXPECT_EQ(one.triangles, three.triangles);
 }
 
+TEST(WeldClusters, MakesOneVertexOfASamplesCell)
+{
+    const Points samples = shapes::torus(3000, 1, 0.4, 2).points;
+    PhaseTimes times;
+    const LabelledBalls labelled = label_polar_balls(UnitFrame(samples).to_unit(samples), {}, {}, times);
+    const CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels);
+    const NearestSamples nearest = find_nearest_samples(polygons.vertices, UnitFrame(samples).to_unit(samples));
+    const WeldedCrust welded =
+        weld_clusters(polygons, std::vector<double>(polygons.vertices.size(), labelled.spacing), &nearest);
+    const checks::MeshReport report = checks::examine_mesh(welded.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold());
+    EXPECT_EQ(report.genus(), 1);
+    EXPECT_GT(polygons.vertices.size(), 4 * samples.size());
+    EXPECT_LT(welded.mesh.vertices.size(), 1.1 * double(samples.size()));
+    for (std::size_t v = 0; v < welded.corner.size(); ++v)
+        EXPECT_EQ(welded.mesh.vertices[v], polygons.vertices[welded.corner[v]]);
+}
+
 TEST(SeatSamples, GivesEachSampleTheNearestOfItsVertices)
 {
     const Points samples = {Point(0, 0, 0), Point(1, 0, 0), Point(9, 0, 0)};
     const Points vertices = {Point(0.2, 0, 0), Point(0.1, 0, 0), Point(0.8, 0, 0), Point(0.4, 0, 0)};
-    EXPECT_EQ(seat_samples(vertices, samples), (std::vector<int>{-1, 0, 1, -1}));
+    EXPECT_EQ(seat_samples(find_nearest_samples(vertices, samples), samples.size()), (std::vector<int>{-1, 0, 1, -1}));
 }
 
 TEST(FlipEdges, LaysEdgesAlongARidge)

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// Per point.
+struct NearestSamples
+{
+    std::vector<int> sample;     ///< Index of the nearest sample, of equally near ones the lowest.
+    std::vector<double> squared; ///< Squared distance to it.
+};
+
+/// Fast where points that follow each other lie side by side. `threads` >= 1. \pre there are samples.
+NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads = 1);
+
+} // namespace recon
