@@ -19,15 +19,15 @@ namespace
 {
 
 constexpr double window = 0.4, window_cut = 1.7; // widths; windows
-constexpr double least_cosine = 0.7;           // of the normals of samples that tell the error of a place with its own
-constexpr double largest_error = 0.7;          // sigmas
+constexpr double least_cosine = 0.7;  // of the normals of samples that tell the error of a place with its own
+constexpr double largest_error = 0.7; // sigmas
 constexpr std::array<double, 3> robust_scales = {0.07, 0.1, 0.2};  // sigmas: the candidates
 constexpr std::array<double, 4> narrowing_rounds = {2, 1.4, 1, 1}; // robust scales
 /// Two halves of the samples agree less than all of them tell, so that half of what is told need not be confirmed.
 constexpr double confirmed_share = 0.4;
 constexpr int points_per_trial = 25, fewest_trials = 1000, most_trials = 4000;
 constexpr int pooled_trials = 40, global_trials = 40; // trials around that share their verdict, and the weight of all
-constexpr double run_radius = 0.5;                   // widths
+constexpr double run_radius = 0.5;                    // widths
 constexpr int longest_run = 64;
 
 using Lanes = simd::FloatLanes;

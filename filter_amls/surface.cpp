@@ -130,8 +130,7 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         landmarks.push_back(normals.feet[c]);
         landmark_normals.push_back(normals.normals[c]);
     }
-    Orientation orientation =
-        orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads, progress);
+    Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads, progress);
     if (given_normals.empty())
         orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     else

@@ -124,8 +124,9 @@ ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, c
         std::vector<char> gone(balls.size(), 0);
         for (const int b : redundant)
             gone[b] = 1;
-        chosen.wanted.erase(std::remove_if(chosen.wanted.begin(), chosen.wanted.end(), [&](int b) { return gone[b] != 0; }),
-                            chosen.wanted.end());
+        chosen.wanted.erase(
+            std::remove_if(chosen.wanted.begin(), chosen.wanted.end(), [&](int b) { return gone[b] != 0; }),
+            chosen.wanted.end());
         chosen.dropped.insert(chosen.dropped.end(), redundant.begin(), redundant.end());
     }
     return chosen;
@@ -293,7 +294,8 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     const std::vector<Ball>& balls = labelled.kept.balls;
     const auto [wanted, dropped] = choose_balls(labelled, cloud.samples, options);
     if (wanted.empty())
-        throw AlgorithmFailure("No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");
+        throw AlgorithmFailure(
+            "No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");
     std::vector<char> is_inner(balls.size(), 0);
     for (const int b : wanted)
         is_inner[b] = labelled.labels[b] == Side::inner;

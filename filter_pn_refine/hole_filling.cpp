@@ -102,8 +102,8 @@ private:
         {
             empty_search.within(p, 1.5 * hole_radius_, around);
             return std::any_of(
-                around.begin(), around.end(), [&](int k)
-                { return (p - empty_centres[std::size_t(k)]).norm() < 1.1 * empty_radii[std::size_t(k)]; });
+                around.begin(), around.end(),
+                [&](int k) { return (p - empty_centres[std::size_t(k)]).norm() < 1.1 * empty_radii[std::size_t(k)]; });
         };
 
         AddedSamples fill;

@@ -14,7 +14,10 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b)
+{
+    return a.x() * b.y() - a.y() * b.x();
+}
 
 /// Signed area of disc and triangle (origin, a, b).
 double intersect_disc_with_wedge(double radius, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
@@ -52,7 +55,10 @@ double intersect_disc_with_wedge(double radius, const Eigen::Vector2d& a, const 
 }
 
 /// Discs that hold few samples prove little: their weight fades, but never below a quarter.
-double evidence(double samples_in_disc) { return std::max(0.25, 1 - 5 / samples_in_disc); }
+double evidence(double samples_in_disc)
+{
+    return std::max(0.25, 1 - 5 / samples_in_disc);
+}
 
 /// Discs with more samples may merge their balls at once.
 constexpr double telling_samples = 10;
@@ -143,8 +149,9 @@ double intersect_disc_with_polygon(double radius, const std::vector<Eigen::Vecto
     return area;
 }
 
-BallAttraction weigh_attraction(const Triangulation& regular, const std::vector<Ball>& balls, const std::vector<double>& density,
-                                const BallAttractionOptions& options, const Progress& progress)
+BallAttraction weigh_attraction(const Triangulation& regular, const std::vector<Ball>& balls,
+                                const std::vector<double>& density, const BallAttractionOptions& options,
+                                const Progress& progress)
 {
     BallAttraction result;
     result.is_on_hull.assign(balls.size(), 0);
