@@ -251,6 +251,78 @@ private:
     int reach_count_ = 1;
 };
 
+/// Noise and density per seed, in input units.
+struct Pooled
+{
+    std::vector<double> sigma, density;
+};
+
+/// Seeds whose residual is noise and not shape; all, if these are few.
+std::vector<int> list_settled(const std::vector<Local>& raw)
+{
+    std::vector<int> settled;
+    for (int i = 0; i < int(raw.size()); ++i)
+        if (raw[i].settled)
+            settled.push_back(i);
+    if (settled.size() < settled_share * int(raw.size()))
+    {
+        settled.resize(raw.size());
+        std::iota(settled.begin(), settled.end(), 0);
+    }
+    return settled;
+}
+
+/// Medians over the seeds around each: noise of the settled ones, at most somewhat more than that of the region, or,
+/// where most see two sheets, that of each sheet; density of all. \param scale of the unit frame.
+Pooled pool(const Points& seeds, const std::vector<Local>& raw, double scale, int threads)
+{
+    const std::vector<int> settled = list_settled(raw);
+    const Points settled_seeds = points_at(settled, seeds);
+    Points region_seeds;
+    std::vector<double> region_sigma;
+    for (std::size_t k = 0; k < settled.size(); k += region_stride)
+    {
+        region_seeds.push_back(settled_seeds[k]);
+        region_sigma.push_back(raw[settled[k]].sigma);
+    }
+    const int region = std::max(smoothing_seeds, int(region_share * double(region_seeds.size())));
+    Pooled result{std::vector<double>(seeds.size()), std::vector<double>(seeds.size())};
+    const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
+    parallel_chunks(seeds.size(), threads, 32, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> near(region);
+                        std::vector<double> squared(region), values(region);
+                        const auto find_near = [&](const NeighbourSearch& search, std::size_t seed, int wanted)
+                        { return search.nearest(seeds[seed], wanted, near.data(), squared.data()); };
+                        const auto median_of_near = [&](int count, auto value)
+                        {
+                            for (int k = 0; k < count; ++k)
+                                values[k] = value(near[k]);
+                            return middle_of(values.data(), count);
+                        };
+                        for (std::size_t i = begin; i < end; ++i)
+                        {
+                            double& sigma = result.sigma[i];
+                            const double local = median_of_near(find_near(settled_search, i, smoothing_seeds),
+                                                                [&](int k) { return raw[settled[k]].sigma; });
+                            const double around = median_of_near(find_near(region_search, i, region),
+                                                                 [&](int k) { return region_sigma[k]; });
+                            sigma = truncation * scale * std::min(local, largest_excess * around);
+                            const int found = find_near(seed_search, i, smoothing_seeds);
+                            result.density[i] =
+                                median_of_near(found, [&](int k) { return raw[k].density; }) / scale / scale;
+                            int with_sheets = 0;
+                            for (int k = 0; k < found; ++k)
+                                if (raw[near[k]].sheet_sigma >= 0)
+                                    values[with_sheets++] = raw[near[k]].sheet_sigma;
+                            if (2 * with_sheets > found)
+                                sigma = std::min(sigma, scale * middle_of(values.data(), with_sheets));
+                        }
+                    });
+    return result;
+}
+
 } // namespace
 
 NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, const Progress& progress)
@@ -281,65 +353,9 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
                         for (std::size_t i = begin; i < end; ++i)
                             raw[i] = ladder.estimate(seeds[i]);
                     });
-
-    Points settled_seeds;
-    std::vector<int> settled_index;
-    for (int i = 0; i < m; ++i)
-        if (raw[i].settled)
-        {
-            settled_seeds.push_back(seeds[i]);
-            settled_index.push_back(i);
-        }
-    if (settled_index.size() < settled_share * m)
-    {
-        settled_seeds = seeds;
-        settled_index.resize(m);
-        std::iota(settled_index.begin(), settled_index.end(), 0);
-    }
-
-    Points region_seeds;
-    std::vector<double> region_sigma;
-    for (std::size_t k = 0; k < settled_index.size(); k += region_stride)
-    {
-        region_seeds.push_back(settled_seeds[k]);
-        region_sigma.push_back(raw[settled_index[k]].sigma);
-    }
-    const int region = std::max(smoothing_seeds, int(region_share * double(region_seeds.size())));
-    std::vector<double> sigma(m), density(m);
-    const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
-    const double scale = frame.scale();
-    parallel_chunks(std::size_t(m), threads, 32, {},
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        std::vector<int> near(region);
-                        std::vector<double> squared(region), values(region);
-                        const auto find_near = [&](const NeighbourSearch& search, std::size_t seed, int wanted)
-                        { return search.nearest(seeds[seed], wanted, near.data(), squared.data()); };
-                        const auto median_of_near = [&](int count, auto value)
-                        {
-                            for (int k = 0; k < count; ++k)
-                                values[k] = value(near[k]);
-                            return middle_of(values.data(), count);
-                        };
-                        for (std::size_t i = begin; i < end; ++i)
-                        {
-                            const double local = median_of_near(find_near(settled_search, i, smoothing_seeds),
-                                                                [&](int k) { return raw[settled_index[k]].sigma; });
-                            const double around = median_of_near(find_near(region_search, i, region),
-                                                                 [&](int k) { return region_sigma[k]; });
-                            sigma[i] = truncation * scale * std::min(local, largest_excess * around);
-                            const int found = find_near(seed_search, i, smoothing_seeds);
-                            density[i] = median_of_near(found, [&](int k) { return raw[k].density; }) / scale / scale;
-                            int with_sheets = 0;
-                            for (int k = 0; k < found; ++k)
-                                if (raw[near[k]].sheet_sigma >= 0)
-                                    values[with_sheets++] = raw[near[k]].sheet_sigma;
-                            if (2 * with_sheets > found)
-                                sigma[i] = std::min(sigma[i], scale * middle_of(values.data(), with_sheets));
-                        }
-                    });
+    Pooled pooled = pool(seeds, raw, frame.scale(), threads);
     frame.from_unit_in_place(seeds);
-    return NoiseEstimate(std::move(seeds), std::move(sigma), std::move(density));
+    return NoiseEstimate(std::move(seeds), std::move(pooled.sigma), std::move(pooled.density));
 }
 
 } // namespace recon
