@@ -24,6 +24,9 @@ constexpr double flat_share = 0.8;
 /// Noise between these makes it noisy all the same [spacings, see NoiseEstimate::least_noise()]. Clean clouds have up
 /// to 0.094; more than the upper one leaves no flat neighbours, so thin walls read as noise there.
 constexpr double least_noise = 0.1, walls = 0.4;
+/// Cleanness::whiteness below which it is exact whatever the noise found, as where all is thin walls: 0 to 0.17 there,
+/// 0.18 and more with noise of a tenth of the spacing on any shape.
+constexpr double exact_whiteness = 0.15;
 
 /// Isolated points farther from the others are no part of an exact cloud; nearer ones may be, where it is sparse
 /// [diagonals of the others].
@@ -105,9 +108,10 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const auto looks_exact = [&]
     {
         const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
-        return cleanness.flat_neighbours > flat_share && !cleanness.is_smooth_but_noisy();
+        return cleanness.flat_neighbours > flat_share && !cleanness.is_smooth_but_noisy() &&
+               (noise < least_noise || noise > walls || cleanness.whiteness < exact_whiteness);
     };
-    if (options.noise == 0 && (noise < least_noise || noise > walls) && looks_exact())
+    if (options.noise == 0 && looks_exact())
     {
         LabelledBalls labelled =
             label_polar_balls(distinct, {}, labelling, times, progress.part(0.3, 0.5, "polar balls"));

@@ -15,7 +15,53 @@ using namespace recon;
 namespace
 {
 constexpr double pi = 3.14159265358979323846;
+
+/// The sides of an egg crate of walls 2.4 thick, 10 apart, one exact sample a unit of area.
+Points egg_crate(int cells)
+{
+    constexpr double pitch = 10, half_wall = 1.2, height = 10;
+    shapes::Random random(5);
+    const auto between = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    const double low = half_wall, high = pitch - half_wall, size = cells * pitch;
+    Points points;
+    const auto add_patch = [&](const Point& corner, const Vector& u, const Vector& v)
+    {
+        const int nu = int(std::lround(u.norm())), nv = int(std::lround(v.norm()));
+        for (int i = 0; i < nu; ++i)
+            for (int j = 0; j < nv; ++j)
+                points.push_back(corner + u * ((i + between(0.2, 0.8)) / nu) + v * ((j + between(0.2, 0.8)) / nv));
+    };
+    const Vector up(0, 0, height);
+    for (int i = 0; i < cells; ++i)
+        for (int j = 0; j < cells; ++j)
+        {
+            const Point corner(i * pitch + low, j * pitch + low, 0);
+            const Vector along_x(high - low, 0, 0), along_y(0, high - low, 0);
+            add_patch(corner, along_x, up);
+            add_patch(corner, along_y, up);
+            add_patch(corner + along_x, along_y, up);
+            add_patch(corner + along_y, along_x, up);
+        }
+    const double outer = -half_wall, length = size + 2 * half_wall;
+    for (const double end : {outer, size + half_wall})
+    {
+        add_patch({outer, end, 0}, {length, 0, 0}, up);
+        add_patch({end, outer, 0}, {0, length, 0}, up);
+    }
+    // Tops and bottoms of the walls.
+    for (double x = outer + 0.5; x < size + half_wall; ++x)
+        for (double y = outer + 0.5; y < size + half_wall; ++y)
+        {
+            const auto in_wall = [&](double t) { return std::abs(t - pitch * std::round(t / pitch)) < half_wall; };
+            const Point p(x + between(-0.3, 0.3), y + between(-0.3, 0.3), 0);
+            if (!in_wall(p.x()) && !in_wall(p.y()))
+                continue;
+            points.push_back(p);
+            points.push_back(p + up);
+        }
+    return points;
 }
+} // namespace
 
 TEST(ReconstructAmls, MakesASmoothClosedTorus)
 {
@@ -49,6 +95,18 @@ TEST(ReconstructAmls, PassesThroughCleanPoints)
         exact += (found.mesh.vertices[v] - points[found.nearest_sample[v]]).norm() < 1e-12;
     EXPECT_GT(exact, 0.98 * double(found.mesh.vertices.size()));
     EXPECT_GT(exact, 0.98 * double(points.size()));
+}
+
+TEST(ReconstructAmls, PassesThroughCleanPointsOfThinWalls)
+{
+    // Where all is thin walls they read as noise.
+    const int cells = 4;
+    const AmlsReconstruction found = reconstruct_amls(egg_crate(cells));
+    EXPECT_GT(found.surface.least_noise, 0.1) << "no longer reads as noise";
+    EXPECT_EQ(found.samples, int(egg_crate(cells).size()));
+    const checks::MeshReport report = checks::examine_mesh(found.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.genus(), cells * cells);
 }
 
 TEST(ReconstructAmls, CleanPointsKeepTheirShapeBesideOutliers)
