@@ -45,9 +45,8 @@ public:
 
     void fit(const Run& run, CellNormals& result)
     {
-        double reach = 0;
-        for (int c = run.begin; c < run.end; ++c)
-            reach = std::max(reach, reach_of(normal_width(cells_.scales[c]), cells_.scales[c]));
+        const double reach =
+            largest_in(run, [&](int c) { return reach_of(normal_width(cells_.scales[c]), cells_.scales[c]); });
         search_.within(run.centre, run.radius + reach, found_);
         around_run_.gather(cells_.means, cells_.counts, found_, run.centre);
         for (int c = run.begin; c < run.end; ++c)
@@ -196,13 +195,9 @@ CellNormals estimate_cell_normals(Cells& cells, const BlockSearch& search, int t
     const std::vector<Run> runs =
         split_into_runs(cells.means, longest_run, [&](int i) { return run_radius * cells.scales[i].width; });
     std::vector<std::uint8_t> isolated(n);
-    parallel_chunks(runs.size(), threads, 64, progress.part(0, 0.8, "Normals"),
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        PlaneFitter fitter(cells, search);
-                        for (std::size_t r = begin; r < end; ++r)
-                            fitter.fit(runs[r], result);
-                    });
+    visit_runs(
+        runs, threads, progress.part(0, 0.8, "Normals"), [&] { return PlaneFitter(cells, search); },
+        [&](PlaneFitter& fitter, const Run& run) { fitter.fit(run, result); });
 
     rescale_sparse_parts(cells, search, result, threads);
     parallel_chunks(std::size_t(n), threads, 1024, progress.part(0.8, 1, "Normals"),

@@ -405,21 +405,15 @@ AmlsProjection project_in_frame(const AmlsSurface::Data& data, const Points& uni
     resize(sorted, unit.size());
     const std::vector<Run> runs =
         split_into_runs(unit, longest_run, [&](int i) { return run_radius * data.cells.scales[cell[i]].width; });
-    parallel_chunks(runs.size(), threads, 64, progress,
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        Projector projector(data, options);
-                        for (std::size_t r = begin; r < end; ++r)
-                        {
-                            const Run& run = runs[r];
-                            double width = 0;
-                            for (int i = run.begin; i < run.end; ++i)
-                                width = std::max(width, data.cells.scales[cell[i]].width);
-                            projector.prepare(run.centre, run.radius, width);
-                            for (int i = run.begin; i < run.end; ++i)
-                                projector.project(unit[i], cell[i], sorted, std::size_t(i));
-                        }
-                    });
+    visit_runs(
+        runs, threads, progress, [&] { return Projector(data, options); },
+        [&](Projector& projector, const Run& run)
+        {
+            const double width = largest_in(run, [&](int i) { return data.cells.scales[cell[i]].width; });
+            projector.prepare(run.centre, run.radius, width);
+            for (int i = run.begin; i < run.end; ++i)
+                projector.project(unit[i], cell[i], sorted, std::size_t(i));
+        });
     return sorted;
 }
 
