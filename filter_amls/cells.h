@@ -24,7 +24,7 @@ struct Cells
 };
 
 /// Averages points over voxels of edge 0.6 widths, rounded to half octaves so that neighbouring places share a grid
-/// (recipe step 3). Cells come in the order of their first point.
+/// (README.md, step 3). Cells come in the order of their first point.
 Cells average_cells(const Points& points, const LocalScales& scales, int threads, const Progress& progress = {});
 
 enum class CellKind : std::uint8_t
@@ -34,7 +34,7 @@ enum class CellKind : std::uint8_t
     outlier ///< Isolated: has no part in the surface.
 };
 
-/// Unsigned normals of cells (recipe step 4).
+/// Unsigned normals of cells (README.md, step 4).
 struct CellNormals
 {
     Vectors normals;          ///< Unit length.
