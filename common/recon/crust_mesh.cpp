@@ -13,8 +13,8 @@ namespace recon
 namespace
 {
 
-/// Smallest height over longest edge of a triangle: 0 for a degenerate one.
-double flatness(const Point& a, const Point& b, const Point& c)
+/// Smallest height of a triangle over its longest edge: 0 if it is degenerate.
+double triangle_quality(const Point& a, const Point& b, const Point& c)
 {
     const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
     return longest2 > 0 ? (b - a).cross(c - a).norm() / longest2 : 0;
@@ -31,8 +31,8 @@ int best_fan_corner(const Points& vertices, const std::vector<int>& polygon)
     {
         double worst = 1e300;
         for (int k = 1; k + 1 < n; ++k)
-            worst = std::min(worst, flatness(vertices[polygon[apex]], vertices[polygon[(apex + k) % n]],
-                                             vertices[polygon[(apex + k + 1) % n]]));
+            worst = std::min(worst, triangle_quality(vertices[polygon[apex]], vertices[polygon[(apex + k) % n]],
+                                                     vertices[polygon[(apex + k + 1) % n]]));
         if (worst > best_quality)
         {
             best_quality = worst;
