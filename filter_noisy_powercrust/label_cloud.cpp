@@ -2,6 +2,7 @@
 
 #include "back_sheets.h"
 #include "complete_noisy_flats.h"
+#include "lids.h"
 
 #include <recon/crust_mesh.h>
 #include <recon/mismatch.h>
@@ -32,6 +33,8 @@ constexpr double least_of_walls = 0.1;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
 /// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
 constexpr double found_again = 0.25, hopeless = 0.45;
+/// Share of violated votes above which the walls of what is filled, seen with less noise, object to that.
+constexpr double objecting_votes = 0.015;
 /// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample;
 /// with the backs at most this share of them may be left.
 constexpr double bearable_lost = 0.02, bearable_handles = 2e-4, whole_again = 0.5;
@@ -104,24 +107,30 @@ public:
         if (is_suspicious() && first.cloud.is_doubtful && options_.denoise == Denoise::automatic)
             replace_if_better(first, mismatch, label_fine(first.cloud, progress.part(0, 0.1, "fine balls")),
                               flooded_above);
+        if (!is_suspicious())
+            return first;
         constexpr int halvings = 3;
-        double noise = first.cloud.noise, most_missed = mismatch.missed_points;
+        double noise = first.cloud.noise, most_missed = mismatch.missed_points, violated = 0;
+        const double finest = std::ldexp(noise, -halvings);
         for (int i = 0; i < halvings && is_suspicious(); ++i)
         {
             noise /= 2;
             most_missed *= found_again;
             LabelledCloud finer =
-                prepare_and_label(Denoise::on, noise, progress.part(0.1 + 0.3 * i, 0.4 + 0.3 * i, "less noise"));
-            crust = extract(finer);
-            const double missed = measure_missed_points(finer.cloud.distinct, crust, labelling_.threads);
-            if (missed > hopeless * mismatch.missed_points)
+                prepare_and_label(Denoise::on, noise, progress.part(0.1 + 0.2 * i, 0.3 + 0.2 * i, "less noise"));
+            violated = finer.labelled.violated_votes;
+            const Mismatch own = measure(finer);
+            const bool is_hollow = own.bare_area <= bare_lid && own.missed_points < mismatch.missed_points;
+            if (!is_hollow && own.missed_points > hopeless * mismatch.missed_points)
                 break;
-            if (missed < most_missed)
+            if (is_hollow || own.missed_points < most_missed)
             {
-                mismatch = {missed, measure_bare_area(finer.cloud.samples, crust, labelling_.threads)};
+                mismatch = own;
                 first = std::move(finer);
             }
         }
+        if (mismatch.bare_area > bare_lid && violated > objecting_votes)
+            replace_by_open(first, mismatch, finest, progress.part(0.7, 1, "open lids"));
         if (is_suspicious())
             first.missed_points = mismatch.missed_points;
         return first;
@@ -138,7 +147,7 @@ public:
         const bool is_flooded = violated > flooded_above;
         // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is
         // full.
-        if (mismatch.bare_area > bearable_bare && !is_flooded && points_.size() <= most_points_twice)
+        if (mismatch.sum() > bearable_bare && !is_flooded && points_.size() <= most_points_twice)
             replace_if_better(*first, mismatch, label_fine(first->cloud, progress.part(0, 0.3, "fine balls")),
                               violated);
         if (mismatch.missed_points <= bearable_miss && !is_flooded)
@@ -158,7 +167,9 @@ public:
     LabelledCloud back_lost_sheets(LabelledCloud found, const Progress& progress)
     {
         const int threads = labelling_.threads;
-        LostSheets lost = find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised, threads);
+        // Where lids were opened the poles were sought along normals that have been turned since.
+        LostSheets lost =
+            find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
         if (lost.share <= bearable_lost || found.completed > 0)
             return found;
         const double handles = measure_closed_topology(extract(found)).genus();
@@ -189,6 +200,40 @@ private:
     {
         times_.begin("mismatch");
         return extract_crust(found.labelled.regular, found.labelled.labels, labelling_.threads);
+    }
+
+    /// Normals of a filled cup's hollow point into the wall.
+    static void turn_normals(LabelledCloud& found)
+    {
+        for (std::size_t i = 0; i < found.cloud.normals.size(); ++i)
+        {
+            const auto& [front, back] = found.labelled.kept.of_sample[i];
+            if (front >= 0 && back >= 0 && found.labelled.labels[front] == Side::inner &&
+                found.labelled.labels[back] == Side::outer)
+                found.cloud.normals[i] *= -1;
+        }
+    }
+
+    /// The cloud with the least noise and all lids open: where the points object to what is filled, the mouth of a cup
+    /// is open, though no sample is there to say so.
+    void replace_by_open(LabelledCloud& found, Mismatch& mismatch, double noise, const Progress& progress)
+    {
+        LabelledCloud open = prepare_and_label(Denoise::on, noise, progress.part(0, 0.6, "least noise"));
+        const double violated = open.labelled.violated_votes;
+        BallLabellingOptions labelling = labelling_;
+        labelling.opened = list_balls_under_lids(open.cloud.samples, open.labelled);
+        if (open.completed > 0 || labelling.opened.empty())
+            return;
+        open.labelled = label_polar_balls(open.cloud.samples, open.cloud.normals, labelling, times_,
+                                          progress.part(0.6, 1, "labels"));
+        turn_normals(open);
+        open.opened = true;
+        const Mismatch own = measure(open);
+        if (open.labelled.violated_votes < violated && own.sum() < clearly_better * mismatch.sum())
+        {
+            found = std::move(open);
+            mismatch = own;
+        }
     }
 
     /// \param highest_violation share of violated votes that `fine` must stay below.

@@ -62,6 +62,10 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
             " % of the points are farther than their spacing from the surface, and parts of it have none: "
             "walls may have been taken for noise and what they hold filled. Set noise to what the scanner "
             "has, or scan more densely.");
+    if (found.opened)
+        result.warnings.push_back("Walls are hardly thicker than the noise or the spacing. What they hold was left "
+                                  "hollow, since the points object to filling it; the walls may have holes. Scan them "
+                                  "more densely.");
     if (found.lost_sheets > 0)
         result.warnings.push_back(
             percent(found.lost_sheets) +

@@ -264,7 +264,7 @@ SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept,
 double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samples, const Vectors& normals,
                    const BallLabellingOptions& options, std::vector<Side>& labels)
 {
-    const bool oriented = !normals.empty();
+    const bool oriented = !normals.empty() && options.opened.empty();
     const std::size_t attractions = graph.edges.size();
     double violated = 1;
     for (const double strength : {oriented ? oriented_vote : free_vote, flooded_vote})
@@ -348,6 +348,8 @@ Labels find_labels(KeptBalls kept, const Points& samples, const Vectors& normals
     twins = pair_hidden_balls(regular, kept.polar.balls, std::move(twins));
     SignedGraph graph =
         link_balls(regular, kept, twins, !normals.empty(), options, progress.part(0.5, 0.8, "attraction of balls"));
+    for (const int ball : options.opened)
+        graph.is_root[ball] = 1;
     std::vector<Side> labels;
     const double violated = label_balls(graph, kept, samples, normals, options, labels);
     progress.part(0.8, 1, "labels").report(1);

@@ -183,17 +183,39 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
     }
 }
 
+namespace
+{
+
+bool says(const NoisyPowerCrust& crust, const std::string& words)
+{
+    return std::any_of(crust.warnings.begin(), crust.warnings.end(),
+                       [&](const std::string& text) { return text.find(words) != std::string::npos; });
+}
+
+} // namespace
+
 TEST(NoisyPowerCrust, SaysThatWallsSeemLost)
 {
     const auto says_so = [](double wall, double noise)
     {
-        const std::vector<std::string> warnings =
-            reconstruct_noisy_power_crust(shapes::with_noise(Cup(wall).points, noise, 4)).warnings;
-        return std::any_of(warnings.begin(), warnings.end(), [](const std::string& text)
-                           { return text.find("walls may have been taken for noise") != std::string::npos; });
+        return says(reconstruct_noisy_power_crust(shapes::with_noise(Cup(wall).points, noise, 4)),
+                    "walls may have been taken for noise");
     };
-    EXPECT_TRUE(says_so(1, 0.4)); // filled: nothing tells its walls from noise
+    EXPECT_TRUE(says_so(1, 0.5)); // filled: nothing tells its walls from noise
     EXPECT_FALSE(says_so(2.5, 0.3));
+}
+
+TEST(NoisyPowerCrust, OpensTheLidOfACupThatIsFilledAtAnyNoise)
+{
+    for (const double wall : {0.8, 1.0})
+    {
+        const Cup cup(wall);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.points, 0.4, 4));
+        const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_NEAR(report.volume, cup.volume, 0.15 * cup.volume) << wall;
+        EXPECT_TRUE(says(crust, "left hollow")) << wall;
+    }
 }
 
 TEST(NoisyPowerCrust, DependsNeitherOnThreadsNorOnOrderNorOnTheRun)
@@ -261,8 +283,7 @@ TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
     const NoisyPowerCrust larger = reconstruct_noisy_power_crust(points, options);
     EXPECT_EQ(larger.components, 1);
     ASSERT_EQ(larger.warnings.size(), 1u);
-    EXPECT_NE(larger.warnings[0].find("1 other body was left out, with 12 %"), std::string::npos)
-        << larger.warnings[0];
+    EXPECT_NE(larger.warnings[0].find("1 other body was left out, with 12 %"), std::string::npos) << larger.warnings[0];
     options.keep_components = KeepComponents::all;
     const NoisyPowerCrust both = reconstruct_noisy_power_crust(points, options);
     EXPECT_EQ(both.components, 2);

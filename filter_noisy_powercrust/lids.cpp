@@ -1,0 +1,73 @@
+#include "lids.h"
+
+#include <recon/neighbours.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace recon
+{
+namespace
+{
+
+/// Distance from a face to the nearest sample that makes it part of a lid [spacings], and the radius that a ball under
+/// it has at least [scales].
+constexpr double bare_beyond = 3, large_from = 3;
+
+/// A corner of the face between the cells of two balls.
+struct FaceCorner
+{
+    int inner, outer, cell;
+    bool operator<(const FaceCorner& b) const
+    {
+        return std::array{inner, outer, cell} < std::array{b.inner, b.outer, b.cell};
+    }
+    bool is_of_face(const FaceCorner& b) const { return inner == b.inner && outer == b.outer; }
+};
+
+std::vector<FaceCorner> list_corners_at_large_balls(const LabelledBalls& labelled)
+{
+    std::vector<FaceCorner> corners;
+    const auto is_large = [&](int b) { return labelled.kept.balls[b].radius > large_from * labelled.scale[b]; };
+    for (int c = 0; c < labelled.regular.finite_cells; ++c)
+        for (const int a : labelled.regular.cells[c].vertices)
+            for (const int b : labelled.regular.cells[c].vertices)
+                if (labelled.labels[a] == Side::inner && labelled.labels[b] == Side::outer && is_large(a))
+                    corners.push_back({a, b, c});
+    std::sort(corners.begin(), corners.end());
+    return corners;
+}
+
+} // namespace
+
+std::vector<int> list_balls_under_lids(const Points& samples, const LabelledBalls& labelled)
+{
+    const NeighbourSearch search(samples);
+    const auto is_bare = [&](const Point& p)
+    {
+        constexpr int nearest = 7; // the sample itself is the first
+        int indices[nearest];
+        double squared[nearest], sum = 0;
+        const Point& sample = samples[search.nearest(p)];
+        const int found = search.nearest(sample, nearest, indices, squared);
+        for (int j = 1; j < found; ++j)
+            sum += std::sqrt(squared[j]);
+        return (p - sample).norm() * (found - 1) > bare_beyond * sum;
+    };
+    std::vector<int> result;
+    const std::vector<FaceCorner> corners = list_corners_at_large_balls(labelled);
+    for (auto face = corners.begin(); face != corners.end();)
+    {
+        const auto end = std::find_if(face, corners.end(), [&](const FaceCorner& c) { return !c.is_of_face(*face); });
+        Point sum = Point::Zero();
+        for (auto c = face; c != end; ++c)
+            sum += labelled.regular.centres[c->cell];
+        if ((result.empty() || result.back() != face->inner) && is_bare(sum / double(end - face)))
+            result.push_back(face->inner);
+        face = end;
+    }
+    return result;
+}
+
+} // namespace recon

@@ -1,0 +1,106 @@
+#include "filter_noisy_powercrust/lids.h"
+
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <recon/crust_mesh.h>
+#include <recon/mismatch.h>
+#include <recon/progress.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+using namespace recon;
+
+namespace
+{
+
+/// A square tray in a unit frame, its walls two spacings thick. The normals of the inner faces point into the walls, as
+/// of a tray taken for full.
+struct Tray
+{
+    Points samples;
+    Vectors normals;
+};
+
+constexpr int side = 36, height = 16, wall = 2;
+constexpr double spacing = 0.5 / side;
+
+Tray make_tray()
+{
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> jitter(-0.2, 0.2);
+    Tray result;
+    const auto add = [&](double x, double y, double z, const Vector& normal)
+    {
+        const Vector moved =
+            Vector(jitter(random), jitter(random), jitter(random)).cwiseProduct(Vector::Ones() - normal.cwiseAbs());
+        result.samples.push_back(spacing * (Point(x, y, z) + moved));
+        result.normals.push_back(normal);
+    };
+    const auto add_faces = [&](int from, int floor)
+    {
+        const int to = side - from;
+        for (int i = from; i <= to; ++i)
+            for (int j = from; j <= to; ++j)
+                add(i, j, floor, -Vector::UnitZ());
+        for (int i = from; i <= to; ++i)
+            for (int k = floor + 1; k <= height; ++k)
+            {
+                add(i, from, k, -Vector::UnitY());
+                add(i, to, k, Vector::UnitY());
+                add(from, i, k, -Vector::UnitX());
+                add(to, i, k, Vector::UnitX());
+            }
+    };
+    add_faces(0, 0);
+    add_faces(wall, wall);
+    for (Point& p : result.samples)
+        p -= Vector(0.25, 0.25, 0);
+    return result;
+}
+
+LabelledBalls label(const Tray& tray, std::vector<int> opened = {})
+{
+    PhaseTimes times;
+    BallLabellingOptions options;
+    options.opened = std::move(opened);
+    return label_polar_balls(tray.samples, tray.normals, options, times);
+}
+
+double measure_volume(const LabelledBalls& labelled)
+{
+    return checks::examine_mesh(extract_crust(labelled.regular, labelled.labels)).volume;
+}
+
+} // namespace
+
+TEST(Lids, BallsUnderTheMouthOfAFilledTrayAreFoundAndOpenIt)
+{
+    const Tray tray = make_tray();
+    const LabelledBalls filled = label(tray);
+    const std::vector<int> under = list_balls_under_lids(tray.samples, filled);
+    ASSERT_FALSE(under.empty());
+    for (const int ball : under)
+    {
+        const Ball& found = filled.kept.balls[ball];
+        EXPECT_EQ(filled.labels[ball], Side::inner);
+        EXPECT_LT(std::max(std::abs(found.centre.x()), std::abs(found.centre.y())), 0.25); // within the walls
+        EXPECT_GT(found.centre.z(), 0);
+    }
+    constexpr double full = side * side * height,
+                     hollow = full - (side - 2 * wall) * (side - 2 * wall) * (height - wall);
+    EXPECT_GT(measure_volume(filled) / std::pow(spacing, 3), 0.7 * full);
+    EXPECT_NEAR(measure_volume(label(tray, under)) / std::pow(spacing, 3), hollow, 0.1 * hollow);
+}
+
+TEST(Lids, AWholeBodyHasNone)
+{
+    PhaseTimes times;
+    const OrientedSamples sphere = shapes::sphere(3000, 0.4, 5);
+    const LabelledBalls labelled = label_polar_balls(sphere.points, sphere.normals, {}, times);
+    EXPECT_TRUE(list_balls_under_lids(sphere.points, labelled).empty());
+}
