@@ -60,12 +60,22 @@ float agreement(const LocalPoints& points, int i, int j)
     return points.nx[i] * points.nx[j] + points.ny[i] * points.ny[j] + points.nz[i] * points.nz[j];
 }
 
+/// Whether d leads away from a face beyond its edge. Along the edge it may, since edges are curved.
+bool leads_behind(const FaceDirection& face, float x, float y, float z)
+{
+    constexpr float steep = 0.5f; // sine of the angle to the edge
+    const float along = face[0] * x + face[1] * y + face[2] * z;
+    return along < 0 && along * along > steep * steep * (x * x + y * y + z * z);
+}
+
 /// Whether hits lie on the centre's side of a crease: their normals agree enough and, at a crease point, not more with
-/// another normal of that point.
+/// another normal of that point; and neither lies beyond the edge where the face of the other ends.
 class CreaseSide
 {
 public:
-    CreaseSide(const LocalPoints& points, const Centre& c, float least) : points_(points), c_(c), least_(least)
+    CreaseSide(const LocalPoints& points, const Centre& c, float least, const FaceDirection& own_face,
+               const std::vector<FaceDirection>& faces)
+        : points_(points), c_(c), least_(least), own_face_(own_face), faces_(faces)
     {
         const float same = 1e-12f / (c.inverse_radius * c.inverse_radius);
         for (int j = 0; j < points.count; ++j)
@@ -75,6 +85,10 @@ public:
     bool holds(int j) const
     {
         const float own = c_.n[0] * points_.nx[j] + c_.n[1] * points_.ny[j] + c_.n[2] * points_.nz[j];
+        const Offset d = offset(points_, c_, j);
+        if (leads_behind(own_face_, d.x, d.y, d.z) ||
+            (!faces_.empty() && leads_behind(faces_[std::size_t(j)], -d.x, -d.y, -d.z)))
+            return false;
         return own >= least_ && std::all_of(twins_.begin(), twins_.end(),
                                             [&](int t) { return agreement(points_, t, j) <= own + 1e-5f; });
     }
@@ -83,25 +97,53 @@ private:
     const LocalPoints& points_;
     const Centre& c_;
     float least_;
+    const FaceDirection& own_face_;
+    const std::vector<FaceDirection>& faces_;
     std::vector<int> twins_;
 };
 
 } // namespace
 
 int choose_hits(const LocalPoints& points, const Centre& c, float least_crease_agreement, bool has_creases,
-                std::int32_t* hits, int count)
+                const FaceDirection& own_face, const std::vector<FaceDirection>& faces, std::int32_t* hits, int count)
 {
     if (has_creases)
     {
-        const CreaseSide side(points, c, least_crease_agreement);
+        const CreaseSide side(points, c, least_crease_agreement, own_face, faces);
         count = int(std::remove_if(hits, hits + count, [&](int j) { return !side.holds(j); }) - hits);
     }
     return count > largest_ring ? thin_hits(points, c, hits, count) : count;
 }
 
-void reject_other_side(Workspace& w, const Centre& c, float least_crease_agreement, float least_distance)
+void find_faces(const Level& level, Workspace& w)
 {
-    const CreaseSide side(w.new_points, c, least_crease_agreement);
+    const LocalPoints& points = w.old_points;
+    const auto flags_of = [&](int j) { return level.points[std::size_t(points.index[j])].flags; };
+    w.faces.assign(std::size_t(points.count), FaceDirection{});
+    std::vector<int> creases;
+    for (int j = 0; j < points.count; ++j)
+        if (flags_of(j) & (WorkPoint::above | WorkPoint::below))
+            creases.push_back(j);
+    for (int j : creases)
+        for (int t : creases)
+        {
+            const float dx = points.x[t] - points.x[j], dy = points.y[t] - points.y[j], dz = points.z[t] - points.z[j];
+            constexpr float same = 1e-6f; // [largest radius of the leaf]
+            if (t == j || dx * dx + dy * dy + dz * dz > same * same)
+                continue;
+            const float c = agreement(points, j, t), s = (flags_of(j) & WorkPoint::above) ? 1.f : -1.f,
+                        scale = s / std::sqrt(std::max(1 - c * c, 1e-12f));
+            w.faces[std::size_t(j)] = {(points.nx[t] - c * points.nx[j]) * scale,
+                                       (points.ny[t] - c * points.ny[j]) * scale,
+                                       (points.nz[t] - c * points.nz[j]) * scale};
+        }
+}
+
+void reject_other_side(Workspace& w, const Centre& c, const FaceDirection& own_face, float least_crease_agreement,
+                       float least_distance)
+{
+    const std::vector<FaceDirection> unknown;
+    const CreaseSide side(w.new_points, c, least_crease_agreement, own_face, unknown);
     Arrivals& a = w.arrivals;
     for (int k = 0; k < a.count; ++k)
         if (!side.holds(a.source[k]))

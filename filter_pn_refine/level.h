@@ -26,7 +26,9 @@ struct WorkPoint
     {
         refined = 1, ///< Its neighbourhood is completed in the next step.
         frozen = 2,  ///< Never refined.
-        crease = 4   ///< Shares its position with others of other normals.
+        crease = 4,  ///< Shares its position with others of other normals,
+        above = 8,   ///< with one, and its face lies above the plane of that,
+        below = 16   ///< or below.
     };
     std::uint32_t flags;
 };

@@ -1,6 +1,7 @@
 #include "refine.h"
 
 #include "crease_detection.h"
+#include "crease_sides.h"
 #include "fold_samples.h"
 #include "hole_filling.h"
 #include "initial_fans.h"
@@ -180,9 +181,9 @@ public:
             prepare_added(usable, fans);
             spacing = find_spacing(usable.samples, usable.nearest, threads_);
         }
-        usable.nearest = {};
         find_segments(usable, fans, spacing);
         start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
+        usable.nearest = {};
         times.end();
 
         reserve_result();
@@ -315,6 +316,7 @@ private:
     {
         const double target = options_.target_radius / frame_.scale();
         std::vector<WorkPoint> points(usable.input.size());
+        const std::vector<int> sides = sides_of_faces(usable);
         for (std::size_t i = 0; i < points.size(); ++i)
         {
             WorkPoint& p = points[i];
@@ -326,7 +328,8 @@ private:
             p.flags = is_frozen(p.id) ? WorkPoint::frozen
                                       : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
-                p.flags |= WorkPoint::crease;
+                p.flags |=
+                    WorkPoint::crease | (sides[i] > 0 ? WorkPoint::above : 0u) | (sides[i] < 0 ? WorkPoint::below : 0u);
         }
         level_ = make_level(std::move(points));
     }

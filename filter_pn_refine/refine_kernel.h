@@ -371,8 +371,10 @@ struct PointRefiner
         std::int32_t* hits = w.hits.data();
         const int found_old = find_near(old_points, c, hits);
         int found = found_old;
+        const FaceDirection own_face = w.has_creases ? w.faces[std::size_t(own)] : FaceDirection{};
         if (found > largest_ring || w.has_creases)
-            found = choose_hits(old_points, c, step.least_crease_agreement, w.has_creases, hits, found);
+            found =
+                choose_hits(old_points, c, step.least_crease_agreement, w.has_creases, own_face, w.faces, hits, found);
         fill_ring(old_points, c, hits, found, ring);
         bool accurate = step.precision == Precision::accurate || step.precision == Precision::fuzzy;
         if (step.precision == Precision::automatic)
@@ -385,10 +387,10 @@ struct PointRefiner
         found = find_near(w.new_points, c, hits);
         sees_all = ring.count == found_old && found <= largest_ring;
         if (found > largest_ring)
-            found = choose_hits(w.new_points, c, 0, false, hits, found);
+            found = choose_hits(w.new_points, c, 0, false, own_face, w.faces, hits, found);
         fill_arrivals(w.new_points, c, hits, found, spacing, least_distance, w.arrivals);
         if (w.has_creases)
-            reject_other_side(w, c, step.least_crease_agreement, least_distance);
+            reject_other_side(w, c, own_face, step.least_crease_agreement, least_distance);
         Front front;
         start_front(c, ring, w.arrivals, front);
         const Floats plane = front.count > 0 ? plane_gaps(front) : all(6.28318531f);

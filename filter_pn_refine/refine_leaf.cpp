@@ -1,5 +1,6 @@
 #include "refine_leaf.h"
 
+#include "crowded.h"
 #include "kernels.h"
 #include "workspace.h"
 
@@ -44,6 +45,8 @@ void gather(const RefineStep& step, int self, Workspace& w)
     for (int k = step.graph.first[std::size_t(self)]; k < step.graph.first[std::size_t(self) + 1]; ++k)
         take(step.graph.neighbour[std::size_t(k)]);
     w.old_points.pad(w.old_points.count);
+    if (w.has_creases)
+        find_faces(step.level, w);
     w.new_points.reserve(w.new_points.count + 2 * leaf.size());
     w.new_points.pad(w.new_points.count);
     w.next.assign(std::size_t(w.old_points.count), 0.f);

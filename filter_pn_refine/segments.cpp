@@ -270,7 +270,10 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
                 p.normal = normal_on_curve(nearer.normal, farther.normal, tangent);
                 p.radius = float(0.5 * chord.norm());
                 p.spacing = nearer.spacing;
-                p.flags = WorkPoint::refined | (is_crease ? WorkPoint::crease : 0u);
+                constexpr std::uint32_t sides = WorkPoint::above | WorkPoint::below; // corners have none
+                p.flags = WorkPoint::refined;
+                if (is_crease)
+                    p.flags |= WorkPoint::crease | (sides & ((nearer.flags & sides) ? nearer.flags : farther.flags));
                 const int place = third == 0 ? at_a[side] : at_b[side],
                           other_end = third == 0 ? at_b[side] : at_a[side];
                 const int leaf = leaf_of_place(level, place);

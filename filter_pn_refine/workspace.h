@@ -34,6 +34,7 @@ struct Workspace
     std::vector<float> next;          ///< Per old local point: radius to raise it to.
     std::vector<float> radius_before; ///< Per new local point.
     std::vector<std::int32_t> hits;
+    std::vector<FaceDirection> faces; ///< Per old local point, if there are creases.
     Ring ring;
     Fan fan;
     Arrivals arrivals;
