@@ -7,6 +7,7 @@
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
+#include <recon/nearest_samples.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -34,8 +35,9 @@ void check(const NoisyPowerCrustOptions& options)
 constexpr double safe_violation = 0.05;
 
 /// Drops triangles of which a corner, the middle of a side or the centre is farther than `length` from every sample.
-void trim(TriangleMesh& mesh, const BlockSearch& search, const Points& samples, double length)
+void trim(TriangleMesh& mesh, const Points& samples, double length)
 {
+    const BlockSearch search(samples);
     std::vector<char> keep;
     for (const auto& t : mesh.triangles)
     {
@@ -147,21 +149,14 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         mesh.vertices = frame.to_unit(mesh.vertices);
     }
     times.begin("finish");
-    const BlockSearch search(cloud.distinct);
     if (options.trim_length > 0)
-        trim(mesh, search, cloud.distinct, options.trim_length / frame.scale());
+        trim(mesh, cloud.distinct, options.trim_length / frame.scale());
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
-    result.nearest_sample.resize(mesh.vertices.size());
-    parallel_for(mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
-                 [&](std::size_t v)
-                 {
-                     int nearest;
-                     double squared, reach = labelled.spacing;
-                     search.nearest(mesh.vertices[v], 1, &nearest, &squared, reach);
-                     result.nearest_sample[v] = cloud.order[nearest];
-                 });
+    for (const int nearest : find_nearest_samples(mesh.vertices, cloud.distinct, labelling.threads).sample)
+        result.nearest_sample.push_back(cloud.order[nearest]);
+    progress.report(1);
     const Topology topology = options.trim_length > 0 ? measure_topology(mesh) : measure_closed_topology(mesh);
     result.components = topology.components;
     result.boundary_loops = topology.boundary_loops;
