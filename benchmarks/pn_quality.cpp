@@ -1,8 +1,10 @@
 // Refinement of sparse samples against the mesh they were taken from, plain centroid insertion and CGAL's edge-aware
-// upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode]
-// [model...]
+// upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [-f]
+// [-e] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases detected.
 #include "mesh_distance.h"
 #include "pn_models.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -21,18 +23,25 @@ double median(std::vector<double> values)
     return values[values.size() / 2];
 }
 
+recon::Vector face_normal(const recon::TriangleMesh& mesh, int triangle)
+{
+    const auto& t = mesh.triangles[std::size_t(triangle)];
+    const auto corner = [&](std::size_t k) -> const recon::Point& { return mesh.vertices[std::size_t(t[k])]; };
+    return (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
     if (argc < 2)
-        return std::fprintf(
-                   stderr,
-                   "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [model...]\n",
-                   argv[0]),
+        return std::fprintf(stderr,
+                            "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [-f] "
+                            "[-e] [model...]\n",
+                            argv[0]),
                2;
     int samples = 3500, seeds = 5;
-    bool with_cgal = false;
+    bool with_cgal = false, with_face_normals = false;
     std::string output;
     recon::PnRefineOptions options;
     options.threads = 1;
@@ -48,6 +57,10 @@ int main(int argc, char** argv)
             seeds = std::atoi(argv[++i]);
         else if (word == "-c")
             with_cgal = true;
+        else if (word == "-f")
+            with_face_normals = true;
+        else if (word == "-e")
+            options.detect_creases = true;
         else if (word == "-o")
             output = argv[++i];
         else if (word == "-m")
@@ -73,7 +86,10 @@ int main(int argc, char** argv)
         std::vector<double> count, rms, largest, beyond, gap, pair, plain, cgal;
         for (int seed = 1; seed <= seeds; ++seed)
         {
-            const recon::OrientedSamples input = sample_mesh(model.mesh, samples, std::uint64_t(seed));
+            recon::OrientedSamples input = sample_mesh(model.mesh, samples, std::uint64_t(seed));
+            if (with_face_normals)
+                for (std::size_t i = 0; i < input.points.size(); ++i)
+                    input.normals[i] = face_normal(model.mesh, distance.nearest(input.points[i]).triangle);
             const recon::PnRefinement refined = recon::refine_points(input, options);
             const recon::OrientedSamples all = join(input, refined);
             const double spacing = std::sqrt(area / double(all.points.size()));
