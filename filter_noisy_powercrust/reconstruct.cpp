@@ -154,9 +154,10 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
-    for (const int nearest : find_nearest_samples(mesh.vertices, cloud.distinct, labelling.threads).sample)
-        result.nearest_sample.push_back(cloud.order[nearest]);
-    progress.report(1);
+    const NearestSamples nearest = find_nearest_samples(mesh.vertices, cloud.distinct, labelling.threads,
+                                                        progress.part(0.95, 1, "nearest points"));
+    for (const int sample : nearest.sample)
+        result.nearest_sample.push_back(cloud.order[sample]);
     const Topology topology = options.trim_length > 0 ? measure_topology(mesh) : measure_closed_topology(mesh);
     result.components = topology.components;
     result.boundary_loops = topology.boundary_loops;

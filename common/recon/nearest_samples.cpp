@@ -6,12 +6,12 @@
 namespace recon
 {
 
-NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads)
+NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads, const Progress& progress)
 {
     constexpr std::size_t grain = 4096;
     const BlockSearch search(samples);
     NearestSamples result{std::vector<int>(points.size()), std::vector<double>(points.size())};
-    parallel_chunks(points.size(), threads, grain, {},
+    parallel_chunks(points.size(), threads, grain, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
                         int sample = search.nearest(points[begin]);

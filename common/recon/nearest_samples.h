@@ -1,6 +1,7 @@
 #pragma once
 
 #include <recon/geometry.h>
+#include <recon/progress.h>
 
 #include <vector>
 
@@ -15,6 +16,8 @@ struct NearestSamples
 };
 
 /// Fast where points that follow each other lie side by side. `threads` >= 1. \pre there are samples.
-NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads = 1);
+/// \throws Cancelled.
+NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads = 1,
+                                    const Progress& progress = {});
 
 } // namespace recon
