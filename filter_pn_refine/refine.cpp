@@ -7,6 +7,7 @@
 #include "initial_fans.h"
 #include "normal_noise.h"
 #include "normal_repair.h"
+#include "radius_summary.h"
 #include "refine_leaf.h"
 #include "sample_surface.h"
 #include "segments.h"
@@ -18,7 +19,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -31,7 +31,6 @@ namespace
 using namespace pn;
 
 constexpr double radians = 0.017453292519943295;
-constexpr std::size_t picked_radii = 16384; ///< For the median.
 
 void check_options(const OrientedSamples& samples, const PnRefineOptions& options, const PnRefineHints& hints)
 {
@@ -109,34 +108,6 @@ std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans&
     }
     return radii;
 }
-
-/// Extremes of radii, and every so many-th of them.
-struct RadiusSummary
-{
-    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
-    std::vector<double> picked;
-
-    template <class Radius>
-    void take(const Radius* radii, std::size_t n, std::size_t each, double unit)
-    {
-        Radius least = radii[0], most = radii[0];
-        for (std::size_t k = 1; k < n; ++k)
-        {
-            least = radii[k] < least ? radii[k] : least;
-            most = radii[k] > most ? radii[k] : most;
-        }
-        smallest = std::min(smallest, double(least) * unit);
-        largest = std::max(largest, double(most) * unit);
-        for (std::size_t k = 0; k < n; k += each)
-            picked.push_back(double(radii[k]) * unit);
-    }
-    void add(const RadiusSummary& other)
-    {
-        smallest = std::min(smallest, other.smallest);
-        largest = std::max(largest, other.largest);
-        picked.insert(picked.end(), other.picked.begin(), other.picked.end());
-    }
-};
 
 class Refinement
 {
@@ -409,8 +380,7 @@ private:
         if (!options_.fast && usable_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
             { move_onto_sample_surface(*usable_, slack_, level_.points, corners, made); };
-        const std::size_t each = std::size_t(before + made) / picked_radii + 1;
-        RadiusSummary radii;
+        RadiusSummary radii(std::size_t(before + made));
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};
         const Progress growing = progress.part(0.9, 1, progress_name_);
@@ -418,33 +388,19 @@ private:
         {
             append_children(level_, growth, frame_, appended, threads_, growing);
             collect_radii([&](std::size_t i) { return next_radius[i]; });
-            summarise(next_radius.data(), next_radius.size(), each, frame_.scale(), radii);
-            summarise(appended.radii, std::size_t(made), each, 1, radii);
+            radii.add(next_radius.data(), next_radius.size(), frame_.scale(), threads_);
+            radii.add(appended.radii, std::size_t(made), 1, threads_);
         }
         else
         {
             level_ = grow_level(level_, growth, frame_, appended, threads_, growing);
-            summarise(level_.rows[6].get(), level_.points.size(), each, frame_.scale(), radii);
+            radii.add(level_.rows[6].get(), level_.points.size(), frame_.scale(), threads_);
         }
-        const auto middle = radii.picked.begin() + std::ptrdiff_t(radii.picked.size() / 2);
-        std::nth_element(radii.picked.begin(), middle, radii.picked.end());
-        result_.steps.push_back({before + made, radii.smallest, radii.largest, *middle,
+        result_.steps.push_back({before + made, radii.smallest(), radii.largest(), radii.median(),
                                  std::accumulate(open_gaps.begin(), open_gaps.end(), 0)});
         usable_.reset(); // what follows lies between points that are dense enough
         times.end();
         return made > 0;
-    }
-
-    template <class Radius>
-    void summarise(const Radius* radii, std::size_t n, std::size_t each, double unit, RadiusSummary& all) const
-    {
-        constexpr std::size_t grain = 65536;
-        std::vector<RadiusSummary> parts((n + grain - 1) / grain);
-        parallel_chunks(n, threads_, grain, {},
-                        [&](std::size_t begin, std::size_t end)
-                        { parts[begin / grain].take(radii + begin, end - begin, each, unit); });
-        for (const RadiusSummary& part : parts)
-            all.add(part);
     }
 
     /// Radii of the points of the level go into the result.
