@@ -1,7 +1,8 @@
 // Grid B with defaults only: RMS and largest distance to the true mesh after projection, orientation, CPU time.
 // amls_grid <model folder> [--seeds 11,12] [--models a,b] [--sigmas 0.1,0.2] [--threads 1] [--noise factor] [--outliers
-// percent] [--save folder] [--phases] [--delaunay]: with --delaunay the last column is the CPU time over that of CGAL's
-// Delaunay triangulation
+// percent] [--save folder] [--peers folder] [--phases] [--delaunay]: with --peers also how many points of the clouds
+// that amls_peers.py --save wrote lie farther off than before by more than a spacing; with --delaunay the last column
+// is the CPU time over that of CGAL's Delaunay triangulation
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 
 using namespace recon;
 
@@ -49,7 +51,7 @@ int main(int argc, char** argv)
     }
     const std::string folder = argv[1];
     std::vector<std::string> names = benchmarks::grid_b, sigmas = {"0.1", "0.2", "0.4"}, seeds = {"11"};
-    std::string save;
+    std::string save, peers;
     bool phases = false, with_delaunay = false;
     double outliers = 0;     // percent of the points
     double noise_factor = 0; // of the true sigma, given to the filter; 0 = the filter estimates
@@ -78,6 +80,8 @@ int main(int argc, char** argv)
                 outliers = std::stod(value);
             else if (option == "--save")
                 save = value;
+            else if (option == "--peers")
+                peers = value;
         }
     }
 
@@ -166,6 +170,22 @@ int main(int argc, char** argv)
                         std::printf("    %s %.3f", phase.first.c_str(), phase.second);
                     std::printf("    projection %.3f   cells %d anchors %d contradicted %.3f open %d\n", projected,
                                 report.cells, report.anchors, report.contradicted, int(report.open));
+                }
+                for (const char* peer : {"apss_2", "apss_4", "apss_8", "rimls_2", "rimls_4", "rimls_8"})
+                {
+                    const std::string path = peers + "/" + name + "_" + sigma + "_" + peer + ".ply";
+                    if (peers.empty() || !std::filesystem::exists(path))
+                        continue;
+                    const Points moved = benchmarks::load_model(path).mesh.vertices;
+                    double sum = 0;
+                    int farther = 0;
+                    for (std::size_t i = 0; i < genuine; ++i)
+                    {
+                        const double distance = truth.nearest(moved[i]).distance;
+                        sum += distance * distance;
+                        farther += distance > truth.nearest(points[i]).distance + projection.spacings[i];
+                    }
+                    std::printf("    %s: RMS %.0f, worse %d\n", peer, 1e6 * std::sqrt(sum / n) / d, farther);
                 }
                 std::fflush(stdout);
                 if (!save.empty())

@@ -1,12 +1,14 @@
 """MLS projection: AMLS beside MeshLab's APSS and RIMLS, on the clouds that amls_clouds wrote.
 
-amls_peers.py <plugin.so> <folder with clouds and truth>... [--models name,...] [--only-peers]
+amls_peers.py <plugin.so> <folder with clouds and truth>... [--models name,...] [--only-peers] [--peers apss,rimls]
+              [--scales 2,4,8] [--save <folder>]
 
 Each cloud <name>.ply has its true surface in <name>.truth (the path of a mesh). The peers get MeshLab's own normals
 (K = 30) and run at FilterScale 2, 4, 8 between two layers: projected onto the cloud (controlmesh) is a copy of it
 (proxymesh), since their default, one layer for both, crashes. AMLS gets the bare points and no parameter. Errors are RMS
 distances to the true mesh in 1e-6 of its diagonal, outliers left out; times are CPU seconds of the process. What the peers reached is kept
-in <folder>/peers.jsonl, one run a line, and is not run again.
+in <folder>/peers.jsonl, one run a line, and is not run again. --save keeps the points of new runs of the peers as
+<cloud>_<peer>_<scale>.ply; amls_grid --peers <folder> counts which of them lie farther off than they were.
 """
 import argparse
 import json
@@ -19,14 +21,18 @@ os.environ["OMP_NUM_THREADS"] = "1"  # CPU time would count threads that spin wh
 import numpy as np
 import pymeshlab
 
-SCALES = (2, 4, 8)
-
 
 def read_points(path):
     data = Path(path).read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
     n = next(int(line.split()[2]) for line in data[:end].decode().splitlines() if line.startswith("element vertex"))
     return np.frombuffer(data, "<f4", 3 * n, end).reshape(n, 3).astype(float)
+
+
+def write_points(path, points):
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+    path.write_bytes(header.encode() + points.astype("<f4").tobytes())
 
 
 class Truth:
@@ -89,7 +95,8 @@ def rms(distances):
 class PeerRuns:
     """Errors and seconds of the peers' runs in a folder, kept beside its clouds."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, save=None):
+        self.save = save
         self.path = folder / "peers.jsonl"
         self.found = {}
         if self.path.exists():
@@ -101,6 +108,8 @@ class PeerRuns:
         key = cloud, peer, scale
         if key not in self.found:
             moved, seconds = run_peer(peer, points, scale)
+            if self.save:
+                write_points(self.save / f"{cloud}_{peer}_{scale}.ply", moved)
             run = {"cloud": cloud, "peer": peer, "scale": scale, "rms": rms(truth.distances(moved[:genuine(cloud, points)])), "seconds": seconds}
             self.found[key] = run
             with self.path.open("a") as out:
@@ -114,6 +123,9 @@ def main():
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--models", default="", help="beginnings of the clouds' names, in the order to run")
     parser.add_argument("--only-peers", action="store_true")
+    parser.add_argument("--save", type=Path)
+    parser.add_argument("--peers", default="apss,rimls")
+    parser.add_argument("--scales", default="2,4,8")
     arguments = parser.parse_args()
     if not arguments.only_peers:
         pymeshlab.load_plugin(arguments.plugin)
@@ -123,13 +135,13 @@ def main():
     ratios = {"apss": [], "rimls": []}
     for start in arguments.models.split(","):
         for folder in arguments.folders:
-            runs = PeerRuns(folder)
+            runs = PeerRuns(folder, arguments.save)
             for path in sorted(folder.glob(f"{start}*.ply")):
                 name = path.stem
                 truth = Truth((folder / f"{name}.truth").read_text().strip())
                 points = read_points(path)
-                peers = {peer: [runs.get(name, peer, scale, points, truth) for scale in SCALES]
-                         for peer in ("apss", "rimls")}
+                peers = {peer: [runs.get(name, peer, int(scale), points, truth) for scale in arguments.scales.split(",")]
+                         for peer in arguments.peers.split(",")}
                 if arguments.only_peers:
                     continue
                 moved, seconds = run_amls(points)
