@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 namespace recon
@@ -100,48 +99,6 @@ void check_spans_volume(const Points& points)
     if (extent[0] <= nothing * extent[2])
         throw InvalidInput("All points lie in one plane. A closed surface needs points that spread in three "
                            "dimensions; for a flat set use a two-dimensional triangulation.");
-}
-
-DistinctPoints find_distinct_points(const Points& points)
-{
-    std::vector<int> order(points.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto lexicographic = [&](int a, int b)
-    {
-        for (int k = 0; k < 3; ++k)
-            if (points[a][k] != points[b][k])
-                return points[a][k] < points[b][k];
-        return a < b;
-    };
-    std::sort(order.begin(), order.end(), lexicographic);
-    DistinctPoints result;
-    std::vector<int> first(points.size());
-    for (std::size_t i = 0; i < order.size(); ++i)
-        first[order[i]] = i > 0 && points[order[i]] == points[order[i - 1]] ? first[order[i - 1]] : order[i];
-    result.representative.resize(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-        if (first[i] == int(i))
-        {
-            result.representative[i] = int(result.first_index.size());
-            result.first_index.push_back(int(i));
-        }
-        else
-            result.representative[i] = result.representative[first[i]];
-    }
-    return result;
-}
-
-double enclosed_volume(const TriangleMesh& mesh)
-{
-    if (mesh.vertices.empty())
-        return 0;
-    const Point origin = mesh.vertices.front(); // not (0,0,0): a far offset would cancel
-    double volume = 0;
-    for (const auto& t : mesh.triangles)
-        volume += (mesh.vertices[t[0]] - origin)
-                      .dot((mesh.vertices[t[1]] - origin).cross(mesh.vertices[t[2]] - origin));
-    return volume / 6;
 }
 
 } // namespace recon

@@ -68,16 +68,4 @@ private:
 /// \throws InvalidInput naming the cause (too few, not finite, all equal, collinear, coplanar) and the remedy.
 void check_spans_volume(const Points& points);
 
-/// First index of each distinct point in input order, and for every input point the position of its representative in
-/// that list.
-struct DistinctPoints
-{
-    std::vector<int> first_index;
-    std::vector<int> representative;
-};
-DistinctPoints find_distinct_points(const Points& points);
-
-/// Signed volume enclosed by a closed mesh: positive if its triangles face outward.
-double enclosed_volume(const TriangleMesh& mesh);
-
 } // namespace recon

@@ -19,17 +19,6 @@ int next_in_ring(const Triangulation::Cell& cell, int a, int b)
 
 } // namespace
 
-void Triangulation::list_ring(int cell, int a, int b, std::vector<int>& ring) const
-{
-    ring.clear();
-    int c = cell;
-    do
-    {
-        ring.push_back(c);
-        c = next_in_ring(cells[c], a, b);
-    } while (c != cell);
-}
-
 bool Triangulation::list_ring_from_lowest(int cell, int a, int b, std::vector<int>& ring) const
 {
     ring.clear();

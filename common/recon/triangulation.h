@@ -42,10 +42,6 @@ struct Triangulation
 
     bool is_finite(int cell) const { return cell < finite_cells; }
 
-    /// Cells around the edge from vertex a to vertex b of `cell` in cyclic order, counter-clockwise seen from b. Includes
-    /// infinite ones. Replaces the content of `ring`.
-    void list_ring(int cell, int a, int b, std::vector<int>& ring) const;
-
     /// False if a cell beside `cell` in the ring around the edge of its vertices at positions i and j is infinite or of lower index.
     bool can_be_lowest(int cell, int i, int j) const
     {
@@ -56,8 +52,9 @@ struct Triangulation
         return true;
     }
 
-    /// The same if `cell` has the lowest index of the ring and all of it is finite; else returns false early. So that a
-    /// walk over all cells meets every bounded edge once.
+    /// Cells around the edge from vertex a to vertex b of `cell` in cyclic order, counter-clockwise seen from b, if
+    /// `cell` has the lowest index of them and all are finite; else returns false early. So a walk over all cells meets
+    /// every bounded edge once. Replaces the content of `ring`.
     bool list_ring_from_lowest(int cell, int a, int b, std::vector<int>& ring) const;
 };
 

@@ -64,14 +64,6 @@ TEST(CheckSpansVolume, NamesTheCause)
     EXPECT_EQ(message(shapes::box(100, Vector(1, 1, 1e-4), 1).points), "");
 }
 
-TEST(FindDistinctPoints, MapsEveryPointToItsFirstTwin)
-{
-    const Points points = {Point(1, 0, 0), Point(0, 0, 0), Point(1, 0, 0), Point(0, 0, 1), Point(0, 0, 0)};
-    const DistinctPoints distinct = find_distinct_points(points);
-    EXPECT_EQ(distinct.first_index, (std::vector<int>{0, 1, 3}));
-    EXPECT_EQ(distinct.representative, (std::vector<int>{0, 1, 0, 2, 1}));
-}
-
 TEST(Checks, SeeWhatIsWrongWithAMesh)
 {
     TriangleMesh tetrahedron{{Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)},
@@ -81,7 +73,6 @@ TEST(Checks, SeeWhatIsWrongWithAMesh)
     EXPECT_TRUE(good.is_closed_oriented_manifold());
     EXPECT_EQ(good.genus(), 0);
     EXPECT_NEAR(good.volume, 1.0 / 6, 1e-15);
-    EXPECT_NEAR(enclosed_volume(tetrahedron), 1.0 / 6, 1e-15);
 
     TriangleMesh open = tetrahedron;
     open.triangles.pop_back();

@@ -133,24 +133,29 @@ TEST(FindPowerCentre, IsRightOnCellsTooFlatForDouble)
     EXPECT_LT((moved - Point::Constant(0.75)).norm(), 1e-14);
 }
 
-TEST(Triangulation, RingsGoRoundTheirEdge)
+TEST(Triangulation, RingsGoRoundTheirEdgeFromTheLowestCell)
 {
     const Triangulation t = triangulate_delaunay(shapes::with_noise(shapes::sphere(100, 1, 1).points, 0.3, 2));
     std::vector<int> ring;
     const CellsAtVertices at = list_cells_at_vertices(t, 100);
-    for (int c = 0; c < t.finite_cells; c += 5)
+    int rings = 0;
+    for (int c = 0; c < t.finite_cells; ++c)
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j)
             {
                 if (i == j)
                     continue;
                 const int a = t.cells[c].vertices[i], b = t.cells[c].vertices[j];
-                t.list_ring(c, a, b, ring);
                 std::set<int> expected;
                 for (int k = at.first[a]; k < at.first[a + 1]; ++k)
                     if (t.cells[at.cell[k]].position_of(b) < 4)
                         expected.insert(at.cell[k]);
-                EXPECT_EQ(std::set<int>(ring.begin(), ring.end()), expected);
-                EXPECT_EQ(ring.size(), expected.size());
+                const bool is_lowest = *expected.begin() == c && t.is_finite(*expected.rbegin());
+                ASSERT_EQ(t.list_ring_from_lowest(c, a, b, ring), is_lowest);
+                EXPECT_LE(is_lowest, t.can_be_lowest(c, i, j));
+                EXPECT_EQ(is_lowest ? std::set<int>(ring.begin(), ring.end()) : expected, expected);
+                EXPECT_EQ(is_lowest ? ring.size() : expected.size(), expected.size());
+                rings += is_lowest;
             }
+    EXPECT_GT(rings, 200);
 }
