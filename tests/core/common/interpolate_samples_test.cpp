@@ -144,6 +144,22 @@ TEST(InterpolateSamples, IsTheSameForAnyNumberOfThreads)
     EXPECT_EQ(one.triangles, three.triangles);
 }
 
+TEST(NearestSamples, AreThoseOfEveryPair)
+{
+    const Points samples = shapes::sphere(500, 1, 3).points;
+    Points points = shapes::with_noise(samples, 0.01, 4);
+    points.push_back(Point(40, 0, 0)); // far from the last ones
+    const NearestSamples nearest = find_nearest_samples(points, samples);
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        double least = 1e300;
+        for (const Point& sample : samples)
+            least = std::min(least, (points[i] - sample).squaredNorm());
+        EXPECT_DOUBLE_EQ(nearest.squared[i], least);
+        EXPECT_DOUBLE_EQ((points[i] - samples[nearest.sample[i]]).squaredNorm(), least);
+    }
+}
+
 TEST(WeldClusters, MakesOneVertexOfASamplesCell)
 {
     const Points samples = shapes::torus(3000, 1, 0.4, 2).points;
