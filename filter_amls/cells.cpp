@@ -26,7 +26,7 @@ constexpr int most_widenings = 3;
 constexpr double isolated_company = 0.2;
 constexpr double detail_radius = 1.9, detail_sigmas = 1.5; // spacings, and so much of the noise
 constexpr double sparse_width = 1.6;                       // spacings: width of a sparse part beside a dense one,
-constexpr double empty_width = 2;                        // whose own width is so much narrower than these spacings
+constexpr double empty_width = 2;                          // whose own width is so much narrower than these spacings
 constexpr double stray_mass = 0.5, stray_share = 0.3, stray_radius = 4.5; // radius in sigmas
 constexpr double run_radius = 0.9;                                        // widths
 constexpr int longest_run = 32, longest_seed_run = 64;

@@ -4,7 +4,6 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace recon
 {
@@ -68,14 +67,8 @@ int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int t
     parallel_for(backed.size(), threads, {},
                  [&](std::size_t k)
                  {
-                     constexpr int nearest = 7; // the sample itself is the first
-                     int indices[nearest];
-                     double squared[nearest], sum = 0;
                      const Point& p = samples[backed[k]];
-                     const int found = search.nearest(p, nearest, indices, squared);
-                     for (int j = 1; j < found; ++j)
-                         sum += std::sqrt(squared[j]);
-                     const double spacing = sum / std::max(found - 1, 1);
+                     const double spacing = measure_spacing_at(p, search);
                      backs[k] = p - thickness * spacing * normals[backed[k]];
                      has_room[k] = (samples[search.nearest(backs[k])] - backs[k]).norm() >= room * spacing;
                  });

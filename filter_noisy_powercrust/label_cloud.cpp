@@ -220,7 +220,7 @@ private:
     {
         LabelledCloud open = prepare_and_label(Denoise::on, noise, progress.part(0, 0.6, "least noise"));
         const double violated = open.labelled.violated_votes;
-        BallLabellingOptions labelling = labelling_;
+        BallLabellingOptions labelling = options_for(open.cloud);
         labelling.opened = list_balls_under_lids(open.cloud.samples, open.labelled);
         if (open.completed > 0 || labelling.opened.empty())
             return;
@@ -248,13 +248,20 @@ private:
         }
     }
 
+    /// With lengths in units of the cloud's frame.
+    BallLabellingOptions options_for(const PreparedSamples& cloud) const
+    {
+        BallLabellingOptions result = labelling_;
+        result.ball_threshold /= cloud.frame.scale();
+        result.noise /= cloud.frame.scale();
+        result.share_balls = result.share_balls && cloud.cleanness > well_sampled;
+        return result;
+    }
+
     LabelledCloud label(PreparedSamples cloud, bool fine, const Progress& progress)
     {
-        BallLabellingOptions in_units = labelling_;
-        in_units.ball_threshold /= cloud.frame.scale();
-        in_units.noise /= cloud.frame.scale();
+        BallLabellingOptions in_units = options_for(cloud);
         in_units.fine = fine;
-        in_units.share_balls = in_units.share_balls && cloud.cleanness > well_sampled;
         const auto label_samples = [&](double from, double to) {
             return label_polar_balls(cloud.samples, cloud.normals, in_units, times_,
                                      progress.part(from, to, "polar balls"));

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace recon
 {
@@ -46,14 +45,8 @@ std::vector<int> list_balls_under_lids(const Points& samples, const LabelledBall
     const NeighbourSearch search(samples);
     const auto is_bare = [&](const Point& p)
     {
-        constexpr int nearest = 7; // the sample itself is the first
-        int indices[nearest];
-        double squared[nearest], sum = 0;
         const Point& sample = samples[search.nearest(p)];
-        const int found = search.nearest(sample, nearest, indices, squared);
-        for (int j = 1; j < found; ++j)
-            sum += std::sqrt(squared[j]);
-        return (p - sample).norm() * (found - 1) > bare_beyond * sum;
+        return (p - sample).norm() > bare_beyond * measure_spacing_at(sample, search);
     };
     std::vector<int> result;
     const std::vector<FaceCorner> corners = list_corners_at_large_balls(labelled);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/median.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -37,12 +38,7 @@ public:
     double smallest() const { return all_.smallest; }
     double largest() const { return all_.largest; }
     /// \pre a radius was added.
-    double median()
-    {
-        const auto middle = all_.picked.begin() + std::ptrdiff_t(all_.picked.size() / 2);
-        std::nth_element(all_.picked.begin(), middle, all_.picked.end());
-        return *middle;
-    }
+    double median() const { return recon::median(all_.picked); }
 
 private:
     struct Part

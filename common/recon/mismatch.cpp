@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace recon
@@ -29,17 +28,6 @@ constexpr std::size_t most_asked = 20'000, most_asked_of_area = 4'000;
 Kernel::Point_3 to_cgal(const Point& p)
 {
     return {p.x(), p.y(), p.z()};
-}
-
-double measure_spacing_at(const Point& p, const NeighbourSearch& search)
-{
-    constexpr int around = 7; // the point itself is the first
-    int indices[around];
-    double squared[around], sum = 0;
-    const int found = search.nearest(p, around, indices, squared);
-    for (int k = 1; k < found; ++k)
-        sum += std::sqrt(squared[k]);
-    return found > 1 ? sum / (found - 1) : 0;
 }
 
 double measure_missed_points(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search, int threads,

@@ -2,6 +2,7 @@
 
 #include <nanoflann.hpp>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -91,6 +92,17 @@ void NeighbourSearch::within(const Point& query, double radius, std::vector<int>
         return;
     IndicesWithin found(radius * radius, indices);
     tree_->index.findNeighbors(found, query.data(), nanoflann::SearchParams());
+}
+
+double measure_spacing_at(const Point& point, const NeighbourSearch& search)
+{
+    constexpr int around = 7; // the point itself is the first
+    int indices[around];
+    double squared[around], sum = 0;
+    const int found = search.nearest(point, around, indices, squared);
+    for (int k = 1; k < found; ++k)
+        sum += std::sqrt(squared[k]);
+    return found > 1 ? sum / (found - 1) : 0;
 }
 
 } // namespace recon

@@ -32,4 +32,7 @@ private:
     std::unique_ptr<Tree> tree_;
 };
 
+/// Mean distance of `point`, one of those searched, to the six nearest others; 0 if it is alone.
+double measure_spacing_at(const Point& point, const NeighbourSearch& search);
+
 } // namespace recon

@@ -162,11 +162,11 @@ TEST(NearestSamples, AreThoseOfEveryPair)
 
 TEST(WeldClusters, MakesOneVertexOfASamplesCell)
 {
-    const Points samples = shapes::torus(3000, 1, 0.4, 2).points;
+    const Points points = shapes::torus(3000, 1, 0.4, 2).points, samples = UnitFrame(points).to_unit(points);
     PhaseTimes times;
-    const LabelledBalls labelled = label_polar_balls(UnitFrame(samples).to_unit(samples), {}, {}, times);
+    const LabelledBalls labelled = label_polar_balls(samples, {}, {}, times);
     const CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels);
-    const NearestSamples nearest = find_nearest_samples(polygons.vertices, UnitFrame(samples).to_unit(samples));
+    const NearestSamples nearest = find_nearest_samples(polygons.vertices, samples);
     const WeldedCrust welded =
         weld_clusters(polygons, std::vector<double>(polygons.vertices.size(), labelled.spacing), &nearest);
     const checks::MeshReport report = checks::examine_mesh(welded.mesh);
