@@ -84,6 +84,9 @@ std::vector<Shape> list_shapes()
             bores.push_back(circle(x, y, 0.07, 16));
     for (int k = 0; k < 4; ++k)
         bolts.push_back(circle(0.33 * std::cos(pi / 2 * k), 0.33 * std::sin(pi / 2 * k), 0.03, 18));
+    std::vector<Polygon> crowded = {circle(0, 0, 0.15, 50)};
+    for (int k = 0; k < 5; ++k)
+        crowded.push_back(circle(0.36 * std::cos(2 * pi / 5 * k), 0.36 * std::sin(2 * pi / 5 * k), 0.075, 26));
     const Polygon ell = {{0, 0}, {1, 0}, {1, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {0, 0.8}};
     const Polygon channel = {{0, 0}, {1, 0}, {1, 0.8}, {0.8, 0.8}, {0.8, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {0, 0.8}};
     return {
@@ -93,6 +96,9 @@ std::vector<Shape> list_shapes()
         {"channel", channel, {}, 0.4, 0.03},
         {"plate with 6 bores", {{0, 0}, {1, 0}, {1, 0.6}, {0, 0.6}}, bores, 0.05, 0.03},
         {"flange with 4 bores", circle(0, 0, 0.45, 150), bolts, 0.06, 0.02},
+        {"flange, bores at its rim", circle(0, 0, 0.445, 95), crowded, 0.08, 0.03},
+        {"plate, bores in a row", {{0, 0}, {1, 0}, {1, 0.4}, {0, 0.4}},
+         {circle(0.2, 0.2, 0.14, 40), circle(0.488, 0.2, 0.14, 40), circle(0.776, 0.2, 0.14, 40)}, 0.07, 0.03},
         {"tube", circle(0, 0, 0.4, 90), {circle(0, 0, 0.3, 70)}, 0.6, 0.03},
         {"rod", circle(0, 0, 0.3, 60), {}, 0.5, 0.03},
     };

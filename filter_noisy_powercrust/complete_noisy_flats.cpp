@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 namespace recon
@@ -184,10 +185,10 @@ private:
         return result;
     }
 
-    /// Height of the first points straight along `up` at each rim sample, 0 where there are none.
-    double find_height(const Loop& loop, const Points& rims, const Vector& up, double highest)
+    /// Heights of the first points straight along `up`, per rim sample; 0 where there are none.
+    std::vector<double> find_tops(const Loop& loop, const Points& rims, const Vector& up, double highest)
     {
-        std::vector<double> heights;
+        std::vector<double> tops;
         for (const int v : loop.rim)
         {
             search_.within(rims[v] + 0.5 * highest * up, 0.5 * highest + aside * noise_, near_);
@@ -199,15 +200,70 @@ private:
                 if (height > beside_slab * noise_ && (offset - height * up).norm() < aside * noise_)
                     least = std::min(least, height);
             }
-            if (least < 1e300)
-                heights.push_back(least);
+            tops.push_back(least < 1e300 ? least : 0);
         }
-        if (double(heights.size()) < share_of_tops * double(loop.rim.size()))
+        return tops;
+    }
+
+    /// Height that most tops have, 0 if there is none.
+    double find_height(const std::vector<double>& tops) const
+    {
+        std::vector<double> heights;
+        std::copy_if(tops.begin(), tops.end(), std::back_inserter(heights), [](double top) { return top > 0; });
+        if (double(heights.size()) < share_of_tops * double(tops.size()))
             return 0;
         const double height = median(heights);
         const auto level = std::count_if(heights.begin(), heights.end(),
                                          [&](double h) { return std::abs(h - height) < level_top * noise_; });
-        return double(level) < share_of_tops * double(loop.rim.size()) ? 0 : height;
+        return double(level) < share_of_tops * double(tops.size()) ? 0 : height;
+    }
+
+    /// Tops of a wall that ends in steps: each level with those of both its neighbours or of the next two on one side.
+    /// The others take the nearest such; empty if these are fewer than a wall has.
+    std::vector<double> find_steps(const Loop& loop, const std::vector<double>& tops) const
+    {
+        const std::size_t n = tops.size();
+        std::vector<std::vector<int>> next(n);
+        for (const auto& [a, b] : loop.edges)
+        {
+            next[a].push_back(b);
+            next[b].push_back(a);
+        }
+        const auto is_level_with = [&](int a, int b)
+        { return tops[a] > 0 && tops[b] > 0 && std::abs(tops[a] - tops[b]) < level_top * noise_; };
+        std::vector<double> result(n, 0);
+        std::vector<int> known;
+        for (int v = 0; v < int(n); ++v)
+        {
+            int level = 0;
+            for (const int w : next[v])
+                if (is_level_with(v, w))
+                {
+                    ++level;
+                    for (const int u : next[w])
+                        level += u != v && is_level_with(v, u);
+                }
+            if (level >= 2)
+            {
+                result[v] = tops[v];
+                known.push_back(v);
+            }
+        }
+        if (double(known.size()) < share_of_tops * double(n))
+            return {};
+        while (!known.empty())
+        {
+            std::vector<int> reached;
+            for (const int v : known)
+                for (const int w : next[v])
+                    if (result[w] == 0)
+                    {
+                        result[w] = result[v];
+                        reached.push_back(w);
+                    }
+            known = std::move(reached);
+        }
+        return result;
     }
 
     struct Wall
@@ -215,22 +271,43 @@ private:
         double height = 0; ///< 0 = none.
         double side = 0;   ///< -1 where it falls off below the face, 1 where it rises over it.
         double length = 0; ///< Of the loop.
+        std::vector<double> steps = {}; ///< Heights at the rim samples if they differ.
     };
 
-    Wall find_wall(const FlatFace& face, const Loop& loop, const Points& rims)
+    /// Diagonal of the box around a rim.
+    static double measure_box(const Loop& loop, const Points& rims)
     {
-        Wall wall;
-        for (const auto& edge : loop.edges)
-            wall.length += (rims[loop.rim[edge[0]]] - rims[loop.rim[edge[1]]]).norm();
         Point low = rims[loop.rim[0]], high = low;
         for (const int v : loop.rim)
         {
             low = low.cwiseMin(rims[v]);
             high = high.cwiseMax(rims[v]);
         }
-        const double highest = highest_wall * (high - low).norm();
-        const double below = find_height(loop, rims, -face.normal, highest);
-        const double above = find_height(loop, rims, face.normal, highest);
+        return (high - low).norm();
+    }
+
+    /// \param is_hole only a hole's walls may end in steps: an outline's are faces with rims of their own.
+    Wall find_wall(const FlatFace& face, const Loop& loop, const Points& rims, bool is_hole)
+    {
+        Wall wall;
+        for (const auto& edge : loop.edges)
+            wall.length += (rims[loop.rim[edge[0]]] - rims[loop.rim[edge[1]]]).norm();
+        const double highest = highest_wall * measure_box(loop, rims);
+        const std::vector<double> tops_below = find_tops(loop, rims, -face.normal, highest),
+                                  tops_above = find_tops(loop, rims, face.normal, highest);
+        const double below = find_height(tops_below), above = find_height(tops_above);
+        if (is_hole && below == 0 && above == 0)
+        {
+            wall.steps = find_steps(loop, tops_below);
+            if (!wall.steps.empty() && find_steps(loop, tops_above).empty())
+            {
+                wall.side = -1;
+                wall.height = median(wall.steps);
+            }
+            else
+                wall.steps.clear();
+            return wall;
+        }
         // As high on both sides: a surface that crosses the plane.
         if (std::max(below, above) < one_sided * std::min(below, above) || std::max(below, above) == 0)
             return wall;
@@ -257,11 +334,14 @@ private:
     bool raise_walls(const FlatFace& face, const Points& rims)
     {
         const std::vector<Loop> loops = list_loops(face);
+        double outline = 0;
+        for (const Loop& loop : loops)
+            outline = std::max(outline, measure_box(loop, rims));
         std::vector<Wall> walls;
         double length = 0, walled = 0;
         for (const Loop& loop : loops)
         {
-            walls.push_back(find_wall(face, loop, rims));
+            walls.push_back(find_wall(face, loop, rims, measure_box(loop, rims) < outline));
             length += walls.back().length;
             walled += walls.back().side < 0 ? walls.back().length : 0;
         }
@@ -299,7 +379,8 @@ private:
         for (std::size_t k = 0; k < loops.size(); ++k)
             if (walls[k].height > 0)
             {
-                const bool ends_at_base = depth > 0 && walls[k].side < 0 && is_level(walls[k], depth);
+                const bool ends_at_base =
+                    depth > 0 && walls[k].side < 0 && walls[k].steps.empty() && is_level(walls[k], depth);
                 append_wall(face, loops[k], walls[k], rims, ends_at_base);
                 if (ends_at_base)
                     for (const int v : loops[k].rim)
@@ -328,13 +409,13 @@ private:
     {
         const Vector up = wall.side * face.normal;
         const double spacing = spacing_of(loop, rims);
-        const auto raise = [&](const Point& foot, const Vector& away)
+        const auto raise = [&](const Point& foot, const Vector& away, double height)
         {
-            const int pieces = std::max(1, int(std::ceil(wall.height / spacing)));
+            const int pieces = std::max(1, int(std::ceil(height / spacing)));
             for (int j = 1; j <= pieces; ++j)
             {
                 const Vector normal = -wall.side * away;
-                wall_points_.push_back(foot + (wall.height * j / pieces) * up);
+                wall_points_.push_back(foot + (height * j / pieces) * up);
                 placed_.push_back(wall_points_.back());
                 wall_normals_.push_back(ends_at_base && j == pieces ? Vector(normal - face.normal) : normal);
                 wall_radii_.push_back(wall_density * spacing);
@@ -352,7 +433,8 @@ private:
             for (int j = 0; j < 2 * pieces; ++j)
             {
                 const double t = 0.5 * j / pieces;
-                raise(a + t * (b - a), ((1 - t) * first + t * second).normalized());
+                raise(a + t * (b - a), ((1 - t) * first + t * second).normalized(),
+                      wall.steps.empty() ? wall.height : wall.steps[edge[t < 0.5 ? 0 : 1]]);
             }
         }
     }

@@ -31,6 +31,12 @@ constexpr double far_from_rim = 4;
 /// Rounds in which single points are left out; then whole chains that do not close are.
 constexpr int rounds_of_strays = 4;
 
+/// What a rim costs: at each of its points 1 plus the cosine of the angle between its edges, 0 where it runs straight
+/// on and 2 where it turns back; so much per end that is open; and so much per median edge of its length.
+constexpr double open_end = 2, length_cost = 0.2;
+constexpr int most_exchanges = 50; // rounds
+constexpr double least_gain = 1e-6;
+
 /// Planar Delaunay triangulation: what an apex beyond the plane sees, since a sphere through the apex and a triangle
 /// meets the plane in the triangle's circumcircle.
 class PlanarTriangulation
@@ -81,6 +87,12 @@ public:
                 call(std::min(ends[0], ends[1]), std::max(ends[0], ends[1]), t, neighbour);
             }
         }
+    }
+
+    /// Of the angle at which a point sees two others.
+    double cosine_at(int v, int a, int b) const
+    {
+        return (points_[a] - points_[v]).normalized().dot((points_[b] - points_[v]).normalized());
     }
 
     /// Angle at which a triangle's circumcentre sees an edge; 0 from outside.
@@ -144,6 +156,111 @@ Rims join_rims(const PlanarTriangulation& planar, int points)
     }
     return result;
 }
+
+/// Exchanges edges while that makes rims straighter: where two come nearer to each other than their samples, the
+/// shortest edges lead from one to the other, but only by sharp turns.
+class RimStraightener
+{
+public:
+    RimStraightener(const PlanarTriangulation& planar, Rims& rims) : planar_(planar), rims_(rims)
+    {
+        planar.for_edges([&](int a, int b, int, int) { edges_.insert({a, b}); });
+        std::vector<double> lengths;
+        for (const auto& [a, b] : rims.edges)
+            lengths.push_back(planar.length(a, b));
+        unit_ = lengths.empty() ? 1 : median(std::move(lengths));
+    }
+
+    void straighten()
+    {
+        bool is_changed = true;
+        for (int round = 0; is_changed && round < most_exchanges; ++round)
+        {
+            is_changed = false;
+            for (const auto& [a, c] : edges_)
+                is_changed |= !is_rim(a, c) && try_edge(a, c);
+        }
+    }
+
+private:
+    bool is_rim(int a, int b) const { return rims_.edges.count(std::minmax(a, b)) > 0; }
+    bool is_edge(int a, int b) const { return edges_.count(std::minmax(a, b)) > 0; }
+
+    void link(int a, int b)
+    {
+        rims_.mates[a].push_back(b);
+        rims_.mates[b].push_back(a);
+        rims_.edges.insert(std::minmax(a, b));
+    }
+    void cut(int a, int b)
+    {
+        auto& of_a = rims_.mates[a];
+        auto& of_b = rims_.mates[b];
+        of_a.erase(std::find(of_a.begin(), of_a.end(), b));
+        of_b.erase(std::find(of_b.begin(), of_b.end(), a));
+        rims_.edges.erase(std::minmax(a, b));
+    }
+
+    double cost_at(int v) const
+    {
+        const auto& mates = rims_.mates[v];
+        double cost = open_end * double(2 - int(mates.size()));
+        for (const int m : mates)
+            cost += 0.5 * length_cost * planar_.length(v, m) / unit_;
+        return mates.size() < 2 ? cost : cost + 1 + planar_.cosine_at(v, mates[0], mates[1]);
+    }
+
+    /// Links two points, each of which gives up a mate for that; the two mates are linked if they are neighbours.
+    /// \returns whether that was better; else all is as before.
+    bool try_edge(int a, int c)
+    {
+        const std::vector<int> of_a = list_given_up(a), of_c = list_given_up(c);
+        for (const int b : of_a)
+            for (const int d : of_c)
+                for (const bool is_closed : {true, false})
+                {
+                    if (is_closed && (b < 0 || d < 0 || b == d || !is_edge(b, d) || is_rim(b, d)))
+                        continue;
+                    if (improves(a, b, c, d, is_closed))
+                        return true;
+                }
+        return false;
+    }
+
+    std::vector<int> list_given_up(int v) const
+    {
+        return rims_.mates[v].size() < 2 ? std::vector<int>{-1} : rims_.mates[v];
+    }
+
+    bool improves(int a, int b, int c, int d, bool is_closed)
+    {
+        const auto cost = [&]
+        { return cost_at(a) + cost_at(c) + (b < 0 ? 0 : cost_at(b)) + (d < 0 || d == b ? 0 : cost_at(d)); };
+        const double before = cost();
+        if (b >= 0)
+            cut(a, b);
+        if (d >= 0)
+            cut(c, d);
+        link(a, c);
+        if (is_closed)
+            link(b, d);
+        if (cost() < before - least_gain)
+            return true;
+        if (is_closed)
+            cut(b, d);
+        cut(a, c);
+        if (d >= 0)
+            link(c, d);
+        if (b >= 0)
+            link(a, b);
+        return false;
+    }
+
+    const PlanarTriangulation& planar_;
+    Rims& rims_;
+    std::set<std::pair<int, int>> edges_;
+    double unit_;
+};
 
 /// Points of chains that do not close.
 std::vector<int> list_open_chains(const Rims& rims)
@@ -237,7 +354,8 @@ std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& poi
         for (const int i : kept)
             present.push_back(points[i]);
         const PlanarTriangulation planar(present);
-        const Rims rims = join_rims(planar, int(present.size()));
+        Rims rims = join_rims(planar, int(present.size()));
+        RimStraightener(planar, rims).straighten();
         const std::vector<int> left_out =
             round < rounds_of_strays ? list_strays(planar, rims, strays > 0) : list_open_chains(rims);
         if (left_out.empty())

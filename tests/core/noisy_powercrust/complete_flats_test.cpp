@@ -36,6 +36,24 @@ TEST(FillPlanarRims, FillsEverySecondRegion)
     EXPECT_NEAR(area, pi * (0.16 - 0.09 + 0.04 - 0.01), 0.01);
 }
 
+TEST(FillPlanarRims, TellsRimsNearerToEachOtherThanTheirSamples)
+{
+    // A disc with holes 0.005 from its rim and 0.01 from each other, sampled 0.026 to 0.03 apart.
+    constexpr double edge = 0.445, hole = 0.075;
+    Points ring;
+    append_ring(ring, 0, 0, 0, edge, 95);
+    for (const double angle : {0.0, 0.43, 2.0})
+        append_ring(ring, 0.365 * std::cos(angle), 0.365 * std::sin(angle), 0, angle == 0.43 ? 0.07 : hole, 17);
+    std::vector<Eigen::Vector2d> points;
+    for (const Point& p : ring)
+        points.emplace_back(p.x(), p.y());
+    const auto faces = fill_planar_rims(points, 0);
+    ASSERT_EQ(faces.size(), 1u);
+    EXPECT_EQ(faces.front().rim.size(), points.size());
+    // As many triangles as rim samples and two per hole, less two: no rim leads from one circle to another.
+    EXPECT_EQ(faces.front().triangles.size(), points.size() + 2 * 3 - 2);
+}
+
 TEST(FillPlanarRims, LeavesOutStraysOnlyIfTold)
 {
     Points ring;

@@ -83,6 +83,43 @@ TEST(CompleteNoisyFlats, SamplesLieOnFacesAndWallsAndFaceOutward)
     EXPECT_GT(right_on_walls, 0.98 * on_walls);
 }
 
+TEST(CompleteNoisyFlats, WallsOfABoreRiseToBothStepsOfTheFaceAbove)
+{
+    // A disc with a bore, half of whose upper mouth lies in a recess.
+    constexpr double low = 0.2, high = 0.3, radius = 0.12, recess = 0.28;
+    Points points;
+    append_ring(points, 0, 0, 0, 0.4, 84);
+    append_ring(points, 0, 0, high, 0.4, 84);
+    append_ring(points, 0, 0, 0, radius, 40);
+    Points mouth, far_rim;
+    append_ring(mouth, 0, 0, 0, radius, 40);
+    append_ring(far_rim, 0, 0, 0, recess, 60);
+    for (const Point& p : mouth)
+        points.emplace_back(p.x(), p.y(), p.x() > -1e-9 ? high : low);
+    for (const double z : {low, high})
+    {
+        for (const Point& p : far_rim)
+            if (p.x() < 1e-9)
+                points.emplace_back(p.x(), p.y(), z);
+        for (double y = radius + 0.027; y < recess - 0.01; y += 0.027)
+            for (const double side : {-1.0, 1.0})
+                points.emplace_back(0, side * y, z);
+    }
+    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(points, noise, 4, 8)).flats;
+    int on_low = 0, on_high = 0, above = 0;
+    for (const Point& p : flats.points)
+    {
+        if (std::abs(std::hypot(p.x(), p.y()) - radius) > 3 * noise || std::abs(p.x()) < 0.03)
+            continue;
+        on_low += p.x() < 0 && p.z() > 0.1 && p.z() < 0.9 * low;
+        on_high += p.x() > 0 && p.z() > 0.22 && p.z() < 0.95 * high;
+        above += p.x() < 0 && p.z() > low + 4 * noise;
+    }
+    EXPECT_GT(on_low, 10);
+    EXPECT_GT(on_high, 10);
+    EXPECT_EQ(above, 0);
+}
+
 TEST(CompleteNoisyFlats, SamplesNearTheNewOnesGiveWay)
 {
     const Completed found = complete(shapes::with_noisy_copies(flange(), noise, 4, 2));
