@@ -44,11 +44,11 @@ constexpr std::size_t most_points_twice = 1'000'000;
 
 /// Up to this share of violated votes a denoised cloud is not searched for bare faces.
 constexpr double calm_votes = 0.005;
-/// Up to this share of violated votes completed flat faces are not doubted.
-constexpr double certain_votes = 0.02;
-/// Else they stay if this share of the votes violated before is left: 0.41 to 0.58 where they were faces, 0.77 where
-/// one was not.
+/// Completed flat faces stay if this share of the votes violated before is left: 0.23 to 0.58 where they were faces,
+/// 0.77 and more where one was not.
 constexpr double clearly_fewer = 0.65;
+/// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes.
+constexpr double certain_votes = 0.02;
 
 /// Share of samples with long Voronoi cells up to which shared balls would hardly do, see share_poles().
 constexpr double well_sampled = 0.95;
@@ -70,6 +70,7 @@ public:
         options.denoise = denoise;
         options.noise = noise;
         PreparedSamples cloud = prepare_samples(points_, options, times_, progress.part(0, 0.35, "preparation"));
+        noise_ = std::max(noise_, cloud.noise);
         return label(std::move(cloud), false, progress.part(0.35, 1, "labels"));
     }
 
@@ -261,6 +262,7 @@ private:
         BallLabellingOptions result = labelling_;
         result.ball_threshold /= cloud.frame.scale();
         result.noise /= cloud.frame.scale();
+        result.noise_taken = noise_ / cloud.frame.scale();
         result.share_balls = result.share_balls && cloud.cleanness > well_sampled;
         return result;
     }
@@ -280,7 +282,8 @@ private:
         LabelledBalls completed = label_samples(0.8, 1);
         // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
         // are.
-        if (completed.violated_votes <= std::max(certain_votes, clearly_fewer * plain.violated_votes))
+        const double bearable = cloud.denoised ? 0 : certain_votes;
+        if (completed.violated_votes <= std::max(bearable, clearly_fewer * plain.violated_votes))
             return {std::move(cloud), std::move(completed), completion->added};
         cloud.samples = std::move(completion->samples_before);
         cloud.normals = std::move(completion->normals_before);
@@ -333,6 +336,7 @@ private:
     const SamplePreparationOptions& options_;
     const BallLabellingOptions& labelling_;
     PhaseTimes& times_;
+    double noise_ = 0; ///< The most that was estimated or given so far; attempts that assume less do not have less.
 };
 
 } // namespace

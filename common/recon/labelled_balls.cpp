@@ -161,13 +161,15 @@ std::vector<std::array<int, 2>> pair_hidden_balls(const Triangulation& regular, 
 }
 
 /// Without normals a clean coarse cloud's real holes have hardly more evidence than spurious ones: only the least
-/// supported go.
-ShortHandleOptions options_for_handles(bool oriented, int threads)
+/// supported go. So it is with normals where there was little noise.
+/// \param noise that was taken from the samples [spacings], 0 = not known.
+ShortHandleOptions options_for_handles(bool oriented, double noise, int threads)
 {
+    constexpr double clean_support = 40, noisy_above = 0.1;
     ShortHandleOptions options;
     options.threads = threads;
-    if (!oriented)
-        options.largest_support = 40;
+    const double noisy = !oriented ? 0 : noise > 0 ? std::min(noise / noisy_above, 1.0) : 1;
+    options.largest_support = clean_support + noisy * (options.largest_support - clean_support);
     return options;
 }
 
@@ -287,7 +289,8 @@ double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samp
 }
 
 /// Drops doubtful balls, absorbs islands, removes doubtful and short handles.
-void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads)
+/// \param noise that was taken from the samples [length], 0 = not known.
+void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, double noise, int threads)
 {
     // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls
     // are doubtful.
@@ -322,7 +325,7 @@ void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, int threads
                 graph.is_root[v] = 1;
             }
     remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins,
-                         options_for_handles(oriented, threads), balls.labels);
+                         options_for_handles(oriented, noise / balls.spacing, threads), balls.labels);
 }
 
 /// Labels before repair, and what they were found from.
@@ -385,7 +388,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     }
     found = {};
     times.begin("repair");
-    repair(result->balls, result->graph, oriented, options.threads);
+    repair(result->balls, result->graph, oriented, options.noise_taken, options.threads);
     progress.part(0.85, 1, "repair").report(1);
     times.end();
     return std::move(result->balls);

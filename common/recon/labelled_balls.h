@@ -18,6 +18,7 @@ struct BallLabellingOptions
 {
     double ball_threshold = 0;    ///< Smallest polar ball kept [unit length], >= 0. 0 = by the local scale.
     double noise = 0;             ///< Standard deviation of the noise, if known [unit length], >= 0.
+    double noise_taken = 0;       ///< Standard deviation of the noise that samples with normals had [unit length], >= 0. 0 = not known.
     double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
     bool fine = false;            ///< Nothing is noise: balls stay by the spacing alone, however thin the wall around them.
     /// Samples may share polar balls as long as the labels contradict next to none of their votes, see share_poles().

@@ -288,6 +288,19 @@ TEST(LabelPolarBalls, TellsInnerFromOuterBallsOfATorus)
     }
 }
 
+TEST(LabelPolarBalls, ThinToriKeepTheirHolesWhereThereWasLittleNoise)
+{
+    for (const int n : {150, 200, 300, 400})
+    {
+        const OrientedSamples torus = shapes::torus(n, 0.35, 0.12, 3);
+        BallLabellingOptions options;
+        options.noise_taken = 0.0002;
+        PhaseTimes times;
+        const LabelledBalls labelled = label_polar_balls(torus.points, torus.normals, options, times);
+        EXPECT_EQ(checks::examine_mesh(extract_crust(labelled.regular, labelled.labels)).genus(), 1) << n;
+    }
+}
+
 TEST(LabelPolarBalls, OneBallStandsForThoseThatAreAlike)
 {
     // The balls of an exact torus lie on a circle and on its axis, each of the one kind beside all of the other.
