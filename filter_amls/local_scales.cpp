@@ -33,7 +33,7 @@ constexpr double widest = 0.15;    // diagonals: more takes in the whole shape, 
 constexpr double affordable = 600; // points per seed; beyond it fewer seeds are asked
 constexpr double beyond = 1e10;    // coordinate of entries that pad the arrays
 /// The noise estimate means the length; here an estimate that is high by 10 % hides as much bias, so it is taken lower.
-constexpr double caution = 0.85;
+constexpr double caution = 0.88;
 /// A cloud without noise still needs a unit in which to weigh the bias [share of the spacing].
 constexpr double least_sigma = 0.01;
 

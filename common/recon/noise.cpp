@@ -93,7 +93,7 @@ constexpr int smallest_count = 3 * patch_coefficients;
 constexpr int largest_count = 6000;
 constexpr int many = 150; // neighbours; beyond it a subsample does
 constexpr double growth = 1.5;
-/// A neighbourhood this many residuals wide is a piece of surface rather than the inside of the noise.
+/// A neighbourhood this many residual heights wide is a piece of surface rather than the inside of the noise.
 constexpr double flatness = 4;
 /// The residual at the scale chosen is a little below the noise, since a ball cuts off its tails.
 constexpr double truncation = 1.055;
@@ -169,19 +169,19 @@ public:
         {
             // Few do where there is little noise.
             measure(seed, k, k < 2 * smallest_count ? k * growth : k * growth * growth * growth);
-            if (radius_ >= flatness * fit_.residual || k * growth > limit_)
+            if (radius_ >= flatness * fit_.height || k * growth > limit_)
                 break;
             k *= growth;
         }
         // Around the foot from now on, where the correction for the ball holds.
         const Point foot = fit_.foot;
         measure(foot, k, k * growth);
-        const Local narrow = correct_for_ball(fit_.residual, count_, radius_);
+        const Local narrow = correct_for_ball(fit_.distance, count_, radius_);
         const double narrow_radius = radius_;
         if (k * growth > limit_)
             return {narrow.sigma, narrow.density, false};
         measure(foot, k * growth, k * growth);
-        const Local wide = correct_for_ball(fit_.residual, count_, radius_);
+        const Local wide = correct_for_ball(fit_.distance, count_, radius_);
         // What a quadric cannot follow grows with the third power of the radius: the two scales tell it from the noise.
         // Only upwards: of a few clusters of points a quadric leaves too little at first.
         const double ratio = std::pow(radius_ / std::max(narrow_radius, 1e-300), 6);

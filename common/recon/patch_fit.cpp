@@ -23,6 +23,12 @@ Row row_at(const Vector& u)
     return row;
 }
 
+/// Gradient of the quadric with coefficients `c`.
+Eigen::Vector2d slope_at(const Vector& u, const Row& c)
+{
+    return {c[1] + 2 * c[3] * u[1] + c[4] * u[2], c[2] + c[4] * u[1] + 2 * c[5] * u[2]};
+}
+
 /// Least squares of the heights by the rows of length `size`, row_of(residual).
 template <int size, class RowOf>
 Eigen::Matrix<double, size, 1> solve_for_heights(const std::vector<PatchResidual>& residuals, RowOf&& row_of)
@@ -48,7 +54,7 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
 {
     residuals.clear();
     if (count <= coefficients || !(radius > 0))
-        return {0, 3, seed};
+        return {0, 0, 3, seed};
     Vector mean = Vector::Zero();
     for (int i = 0; i < count; ++i)
         mean += points[neighbours[i]] - seed;
@@ -66,17 +72,20 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
         residuals.push_back({frame.transpose() * ((points[neighbours[i]] - seed - mean) / radius), 0});
     const Row solution =
         solve_for_heights<coefficients>(residuals, [&](std::size_t i) { return row_at(residuals[i].place); });
-    double second = 0, fourth = 0;
+    double heights = 0, distances = 0, fourth = 0;
     for (PatchResidual& r : residuals)
     {
         r.height = r.place[0] - row_at(r.place).dot(solution);
         const double square = r.height * r.height;
-        second += square;
+        heights += square;
         fourth += square * square;
+        // Where the quadric is steep the same noise is taller.
+        distances += square / (1 + slope_at(r.place, solution).squaredNorm());
     }
     const Vector at_seed = frame.transpose() * (-mean / radius);
     const double height = std::clamp(row_at(at_seed).dot(solution) - at_seed[0], -1.0, 1.0);
-    return {radius * std::sqrt(second / (count - coefficients)), second > 0 ? count * fourth / (second * second) : 3,
+    const auto deviation = [&](double squares) { return radius * std::sqrt(squares / (count - coefficients)); };
+    return {deviation(heights), deviation(distances), heights > 0 ? count * fourth / (heights * heights) : 3,
             seed + radius * height * frame.col(0)};
 }
 
