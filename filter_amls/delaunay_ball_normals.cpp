@@ -18,7 +18,9 @@ namespace
 
 constexpr double paper_ratio = 2.5;
 constexpr int paper_neighbours = 5;
-constexpr double automatic_sigmas = 4; // balls inside the noise are smaller
+/// Balls between noisy points reach farther than those between exact ones, or, where there is more noise than spacing,
+/// as far as the noise.
+constexpr double automatic_sigmas = 4;
 constexpr double box_half_width = 2.5; // diagonals
 constexpr double deep_cosine = 0.7071; // intersection angle above 3/4 pi
 constexpr double widest_pole = 1;      // diagonals
@@ -61,8 +63,7 @@ std::vector<double> find_thresholds(const Points& points, const DelaunayBallOpti
     const NoiseEstimate noise = estimate_noise(points, noise_options);
     parallel_for(
         points.size(), threads, {},
-        [&](std::size_t i) { thresholds[i] = std::max(thresholds[i], automatic_sigmas * noise.sigma_at(points[i])); },
-        1024);
+        [&](std::size_t i) { thresholds[i] += automatic_sigmas * noise.sigma_at(points[i]); }, 1024);
     return thresholds;
 }
 

@@ -12,7 +12,7 @@ namespace recon
 struct DelaunayBallOptions
 {
     double big_ball_ratio =
-        0; ///< c: radius from which a ball is big [lambda], >= 0. 0 = the paper's 2.5, but above the noise.
+        0; ///< c: radius from which a ball is big [lambda], >= 0. 0 = the paper's 2.5, and 4 times the noise more.
     int neighbours = 0;     ///< Nearest points whose mean distance is lambda [count], >= 0. 0 = the paper's 5.
     int normal_spread = 20; ///< Points without a big ball take the mean of this many nearest normals [count], >= 1.
     int threads = 0;        ///< Threads to use [count], >= 0. 0 = all cores.

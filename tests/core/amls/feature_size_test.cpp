@@ -117,7 +117,8 @@ TEST(LocalFeatureSize, MoreNeighboursThanPointsAreAllPoints)
 TEST(DelaunayBallNormals, PointOutwardWithAndWithoutNoise)
 {
     const OrientedSamples torus = shapes::torus(8000, major_radius, minor_radius, 6);
-    for (double sigma : {0.0, 0.02})
+    // From a tenth of the spacing to most of it.
+    for (double sigma : {0.0, 0.004, 0.01, 0.02, 0.03})
     {
         const DelaunayBallNormals found = find_delaunay_ball_normals(shapes::with_noise(torus.points, sigma, 7));
         ASSERT_EQ(found.normals.size(), torus.points.size());
