@@ -1,0 +1,210 @@
+#include <filter_amls/orient.h>
+
+#include <recon/errors.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace recon;
+
+namespace
+{
+
+/// As landmarks come: normals off by some degrees, their signs at random.
+struct Landmarks
+{
+    Points points;
+    Vectors truth, given;
+    std::vector<double> spacing;
+
+    void add(const OrientedSamples& samples, double spacing_of_these, const Vector& shift = Vector::Zero(),
+             bool inward = false)
+    {
+        for (std::size_t i = 0; i < samples.points.size(); ++i)
+        {
+            points.push_back(samples.points[i] + shift);
+            truth.push_back(inward ? Vector(-samples.normals[i]) : samples.normals[i]);
+            const Vector off(uniform(), uniform(), uniform());
+            given.push_back((uniform() < 0 ? -1.0 : 1.0) * (truth.back() + 0.2 * off).normalized());
+            spacing.push_back(spacing_of_these);
+        }
+    }
+    void scale(double factor)
+    {
+        for (Point& p : points)
+            p *= factor;
+        for (double& s : spacing)
+            s *= factor;
+    }
+    Orientation orient(int threads = 1) const { return orient_normals(points, given, spacing, threads); }
+    int wrong(const Orientation& found) const
+    {
+        int count = 0;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            count += !(found.normals[i].dot(truth[i]) > 0);
+        return count;
+    }
+
+private:
+    double uniform() { return 2 * double(random_() >> 11) * 0x1p-53 - 1; }
+    shapes::Random random_{11};
+};
+
+/// Fibonacci's: thin, as landmarks are.
+OrientedSamples even_sphere(int n, double radius)
+{
+    OrientedSamples samples;
+    for (int i = 0; i < n; ++i)
+    {
+        const double z = 1 - (2 * i + 1) / double(n), r = std::sqrt(1 - z * z), angle = i * M_PI * (3 - std::sqrt(5));
+        samples.normals.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+        samples.points.push_back(radius * samples.normals.back());
+    }
+    return samples;
+}
+
+double sphere_spacing(int n, double radius)
+{
+    return radius * std::sqrt(4 * M_PI / n);
+}
+
+} // namespace
+
+TEST(OrientNormals, PointOutwardWhateverTheirSignsWere)
+{
+    Landmarks torus;
+    torus.add(shapes::torus(4000, 1, 0.3, 1), std::sqrt(4 * M_PI * M_PI * 0.3 / 4000));
+    torus.scale(0.3);
+    const Orientation found = torus.orient();
+    EXPECT_EQ(torus.wrong(found), 0);
+    EXPECT_LT(found.contradicted, 0.02);
+    EXPECT_FALSE(found.open);
+    // Only the signs change, and what signs were given does not matter.
+    for (std::size_t i = 0; i < torus.points.size(); ++i)
+        EXPECT_EQ(found.normals[i].cwiseAbs(), torus.given[i].cwiseAbs());
+    Landmarks turned = torus;
+    for (Vector& n : turned.given)
+        n = -n;
+    EXPECT_EQ(turned.orient().normals, found.normals);
+    EXPECT_EQ(torus.orient(3).normals, found.normals);
+}
+
+TEST(OrientNormals, PolesLieOnTheMedialAxis)
+{
+    Landmarks torus;
+    torus.add(shapes::torus(4000, 1, 0.3, 1), std::sqrt(4 * M_PI * M_PI * 0.3 / 4000));
+    torus.scale(0.3);
+    const Orientation found = torus.orient();
+    int within = 0, on_circle = 0;
+    for (const Point& p : found.poles)
+    {
+        const double from_circle = std::hypot(std::hypot(p.x(), p.y()) - 0.3, p.z());
+        within += from_circle < 0.09;
+        on_circle += from_circle < 0.02;
+    }
+    EXPECT_GT(within, 500);
+    EXPECT_GT(on_circle, 0.9 * within);
+}
+
+TEST(OrientNormals, FaceAwayFromTheWallOfAHollow)
+{
+    // The wall is four spacings thick; the inner sphere faces its centre.
+    Landmarks shell;
+    const int n = 6000, m = int(0.64 * n);
+    shell.add(even_sphere(n, 1), sphere_spacing(n, 1));
+    shell.add(even_sphere(m, 0.8), sphere_spacing(m, 0.8), Vector::Zero(), true);
+    shell.scale(0.3);
+    EXPECT_EQ(shell.wrong(shell.orient()), 0);
+}
+
+TEST(OrientNormals, FaceTheGapBetweenNearBodies)
+{
+    // Three spacings apart where they are nearest: balls between them are small.
+    Landmarks pair;
+    const int n = 4000;
+    const double spacing = sphere_spacing(n, 1);
+    pair.add(even_sphere(n, 1), spacing);
+    pair.add(even_sphere(n, 1), spacing, Vector(2 + 3 * spacing, 0, 0));
+    pair.scale(0.2);
+    EXPECT_EQ(pair.wrong(pair.orient()), 0);
+}
+
+TEST(OrientNormals, FaceOutwardOnThinPlates)
+{
+    // Two and a half spacings thick: every inner ball is small.
+    const Vector sides(50, 50, 2.5);
+    Landmarks plate;
+    plate.add(shapes::box(5500, sides, 3), 1);
+    plate.scale(0.01);
+    EXPECT_LT(plate.wrong(plate.orient()), 0.01 * 5500);
+}
+
+TEST(OrientNormals, AgreeWithTheirNeighboursOnARoughCloud)
+{
+    // What noise is left is a third of the spacing, so that many a ball lies between the samples.
+    const int n = 6000;
+    const double spacing = std::sqrt(4 * M_PI * M_PI * 0.3 / n);
+    OrientedSamples rough = shapes::torus(n, 1, 0.3, 5);
+    rough.points = shapes::with_noise(rough.points, 0.35 * spacing, 6);
+    Landmarks torus;
+    torus.add(rough, spacing);
+    torus.scale(0.3);
+    const int wrong = torus.wrong(torus.orient());
+    EXPECT_LE(wrong, 5);
+}
+
+TEST(OrientNormals, DoNotSlipThroughHoles)
+{
+    // Round holes of ten spacings, through which balls of the outside reach in.
+    const int n = 8000;
+    const double spacing = sphere_spacing(n, 1);
+    const OrientedSamples all = even_sphere(n, 1);
+    const Points holes = even_sphere(10, 1).points;
+    OrientedSamples left;
+    for (std::size_t i = 0; i < all.points.size(); ++i)
+        if (std::none_of(holes.begin(), holes.end(),
+                         [&](const Point& hole) { return (all.points[i] - hole).norm() < 5 * spacing; }))
+        {
+            left.points.push_back(all.points[i]);
+            left.normals.push_back(all.normals[i]);
+        }
+    Landmarks holed;
+    holed.add(left, spacing);
+    holed.scale(0.3);
+    const Orientation found = holed.orient();
+    EXPECT_EQ(holed.wrong(found), 0);
+    EXPECT_FALSE(found.open);
+}
+
+TEST(OrientNormals, AreConsistentOnAnOpenSheet)
+{
+    const int n = 8000;
+    const OrientedSamples all = even_sphere(n, 1);
+    OrientedSamples bowl;
+    for (std::size_t i = 0; i < all.points.size(); ++i)
+        if (all.points[i].z() < -0.2)
+        {
+            bowl.points.push_back(all.points[i]);
+            bowl.normals.push_back(all.normals[i]);
+        }
+    Landmarks sheet;
+    sheet.add(bowl, sphere_spacing(n, 1));
+    sheet.scale(0.3);
+    const Orientation found = sheet.orient();
+    EXPECT_TRUE(found.open);
+    const int wrong = sheet.wrong(found);
+    EXPECT_LT(std::min(wrong, int(bowl.points.size()) - wrong), 5);
+}
+
+TEST(OrientNormals, CanBeCancelled)
+{
+    Landmarks sphere;
+    sphere.add(even_sphere(500, 0.3), sphere_spacing(500, 0.3));
+    EXPECT_THROW(orient_normals(sphere.points, sphere.given, sphere.spacing, 1,
+                                Progress([](double, const std::string&) { return false; })),
+                 Cancelled);
+}
