@@ -458,11 +458,19 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
     }
     const Points& unit = own ? data.points : moved;
     const std::vector<int>& cell = own ? data.cells.cell_of_point : nearest_cell;
-    AmlsProjection sorted =
-        own && !data.projected.points.empty() && are_defaults(options)
-            ? data.projected
-            : project_in_frame(data, unit, cell, options, threads, progress.part(0.2, 0.9, "Projection"));
-    correct_by_residuals(data, cell, sorted, threads, progress.part(0.9, 1, "Projection"));
+    progress.report(0);
+    AmlsProjection projected;
+    const bool at_hand = own && !data.projected.points.empty() && are_defaults(options);
+    if (!at_hand)
+    {
+        projected = project_in_frame(data, unit, cell, options, threads, progress.part(0.2, 0.9, "Projection"));
+        const Progress corrections = progress.part(0.9, 1, "Projection");
+        const double passes = double(data.residuals.size());
+        for (std::size_t k = 0; k < data.residuals.size(); ++k)
+            correct_by_residuals(data, data.residuals[k], cell, projected, threads,
+                                 corrections.part(double(k) / passes, double(k + 1) / passes, "Projection"));
+    }
+    const AmlsProjection& sorted = at_hand ? data.projected : projected;
 
     AmlsProjection result;
     resize(result, n);

@@ -12,13 +12,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace recon
 {
 namespace
 {
 
-constexpr double window = 0.4, window_cut = 1.7; // widths; windows
+/// Of the passes [widths]: more samples tell weaker errors, fewer those that change sooner.
+constexpr std::array<double, 2> windows = {0.55, 0.4};
+constexpr double window_cut = 1.7;    // windows
 constexpr double least_cosine = 0.7;  // of the normals of samples that tell the error of a place with its own
 constexpr double largest_error = 0.7; // sigmas
 constexpr std::array<double, 3> robust_scales = {0.07, 0.1, 0.2};  // sigmas: the candidates
@@ -93,7 +96,7 @@ public:
     void look_at(const Point& place, const Vector& normal, double width)
     {
         const Eigen::Vector3f local = (place - origin_).cast<float>(), n = normal.cast<float>();
-        weigh(around_, local.data(), n.data(), float(1 / (window * width)), weights_.data());
+        weigh(around_, local.data(), n.data(), float(1 / (field_.window * width)), weights_.data());
     }
 
     /// What they say [length]. \param scale the robust scale [sigma].
@@ -189,7 +192,7 @@ Trials run_trials(const AmlsSurface::Data& data, const ResidualField& field, con
                             const LocalScale& scale =
                                 data.cells.scales[std::size_t(data.cells.cell_of_point[std::size_t(sample[i])])];
                             trials.places[t] = field.places[i];
-                            teller.prepare(trials.places[t], window_cut * window * scale.width);
+                            teller.prepare(trials.places[t], window_cut * field.window * scale.width);
                             teller.look_at(trials.places[t], field.normals[i], scale.width);
                             teller.divide();
                             for (std::size_t k = 0; k < robust_scales.size(); ++k)
@@ -259,10 +262,12 @@ std::vector<float> list_shares(const Trials& trials, const BlockSearch& search, 
 
 } // namespace
 
-ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads)
+ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, double window,
+                                int threads)
 {
     std::vector<int> sample;
     ResidualField field = list_residuals(data, projected, sample);
+    field.window = window;
     const Trials trials = run_trials(data, field, sample, threads);
     const BestScale best = choose_best_scale(trials.results);
     field.robust_scale = robust_scales[best.candidate];
@@ -277,10 +282,9 @@ ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProject
     return field;
 }
 
-void correct_by_residuals(const AmlsSurface::Data& data, const std::vector<int>& cells, AmlsProjection& projected,
-                          int threads, const Progress& progress)
+void correct_by_residuals(const AmlsSurface::Data& data, const ResidualField& field, const std::vector<int>& cells,
+                          AmlsProjection& projected, int threads, const Progress& progress)
 {
-    const ResidualField& field = data.residuals;
     if (field.empty())
         return;
     const std::vector<Run> runs = split_into_runs(
@@ -294,7 +298,7 @@ void correct_by_residuals(const AmlsSurface::Data& data, const std::vector<int>&
                 run, [&](int i) { return field.shares[cells[i]] > 0 ? data.cells.scales[cells[i]].width : 0; });
             if (width == 0)
                 return;
-            teller.prepare(run.centre, run.radius + window_cut * window * width);
+            teller.prepare(run.centre, run.radius + window_cut * field.window * width);
             for (int i = run.begin; i < run.end; ++i)
             {
                 const float share = field.shares[cells[i]];
@@ -306,6 +310,21 @@ void correct_by_residuals(const AmlsSurface::Data& data, const std::vector<int>&
                     share * teller.error_by_all(scale.sigma, field.robust_scale) * projected.normals[i];
             }
         });
+}
+
+std::vector<ResidualField> measure_residuals_in_passes(const AmlsSurface::Data& data, AmlsProjection& projected,
+                                                       int threads)
+{
+    std::vector<ResidualField> fields;
+    for (const double window : windows)
+    {
+        ResidualField field = measure_residuals(data, projected, window, threads);
+        if (field.empty())
+            break;
+        correct_by_residuals(data, field, data.cells.cell_of_point, projected, threads);
+        fields.push_back(std::move(field));
+    }
+    return fields;
 }
 
 } // namespace recon

@@ -20,6 +20,7 @@ struct ResidualField
     Vectors normals;              ///< Unit length, outward.
     std::vector<float> residuals; ///< Along the normals.
     BlockSearch search;           ///< Of the places.
+    double window = 0;            ///< Over which samples tell an error [widths].
     double robust_scale = 0;      ///< Residuals that are off by more than twice this lose weight [sigma].
     std::vector<float> shares;    ///< Of the error that is told, how much is true, per cell [0..1].
 
@@ -27,11 +28,17 @@ struct ResidualField
 };
 
 /// Empty where residuals tell nothing: two halves of the samples do not agree on the error.
-/// \param projected the samples on the surface, all in the unit frame.
-ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads);
+/// \param projected the samples on the surface, all in the unit frame. \param window [widths].
+ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, double window,
+                                int threads);
 
 /// Moves the points that were moved by what the surface errs there. \param cells of the points.
-void correct_by_residuals(const AmlsSurface::Data& data, const std::vector<int>& cells, AmlsProjection& projected,
-                          int threads, const Progress& progress = {});
+void correct_by_residuals(const AmlsSurface::Data& data, const ResidualField& field, const std::vector<int>& cells,
+                          AmlsProjection& projected, int threads, const Progress& progress = {});
+
+/// Again and again, each time after the corrections before and over another window, until residuals tell nothing more.
+/// \param projected the samples on the surface; corrected.
+std::vector<ResidualField> measure_residuals_in_passes(const AmlsSurface::Data& data, AmlsProjection& projected,
+                                                       int threads);
 
 } // namespace recon

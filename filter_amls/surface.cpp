@@ -297,7 +297,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         times.begin("residuals");
         data->projected = project_in_frame(*data, data->points, cells.cell_of_point, {}, threads,
                                            progress.part(0.95, 1, "Residuals"));
-        data->residuals = measure_residuals(*data, data->projected, threads);
+        data->residuals = measure_residuals_in_passes(*data, data->projected, threads);
     }
     times.end();
 

@@ -30,8 +30,8 @@ struct AmlsSurface::Data
     std::vector<double> anchor_spacing; ///< Distance of neighbouring anchors, per anchor.
     Points poles;                       ///< Of the landmarks.
     BlockSearch pole_search;
-    ResidualField residuals;
-    AmlsProjection projected; ///< The points, by default options and before residuals; empty if these were not asked.
+    std::vector<ResidualField> residuals; ///< One after the other; none if they tell nothing.
+    AmlsProjection projected; ///< The points, by default options; empty if residuals were not asked.
     AmlsSurfaceReport report;
 
     /// Whether these are the points of which the surface was made, in the same order.
