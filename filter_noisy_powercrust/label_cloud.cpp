@@ -89,7 +89,7 @@ public:
         return label(std::move(cloud), true, progress);
     }
 
-    Mismatch measure(const LabelledCloud& found)
+    Mismatch measure(LabelledCloud& found)
     {
         return measure_mismatch(found.cloud.distinct, extract(found), labelling_.threads);
     }
@@ -204,10 +204,13 @@ public:
     }
 
 private:
-    TriangleMesh extract(const LabelledCloud& found)
+    TriangleMesh extract(LabelledCloud& found)
     {
         times_.begin("mismatch");
-        return extract_crust(found.labelled.regular, found.labelled.labels, labelling_.threads);
+        if (!found.polygons)
+            found.polygons =
+                list_crust_polygons(found.labelled.regular, found.labelled.labels, labelling_.threads);
+        return triangulate_polygons(*found.polygons, labelling_.threads);
     }
 
     /// Normals of a filled cup's hollow point into the wall.
@@ -228,6 +231,8 @@ private:
     {
         LabelledCloud open = prepare_and_label(Denoise::on, noise, progress.part(0, 0.6, "least noise"));
         const double violated = open.labelled.violated_votes;
+        if (violated <= objecting_votes) // then its balls may be shared, and have other numbers in the next run
+            return;
         BallLabellingOptions labelling = options_for(open.cloud);
         labelling.opened = list_balls_under_lids(open.cloud.samples, open.labelled);
         if (open.completed > 0 || labelling.opened.empty())
@@ -263,7 +268,10 @@ private:
         result.ball_threshold /= cloud.frame.scale();
         result.noise /= cloud.frame.scale();
         result.noise_taken = noise_ / cloud.frame.scale();
-        result.share_balls = result.share_balls && cloud.cleanness > well_sampled;
+        // A denoised cloud is sampled evenly. The crust of a clean one must go through the samples afterwards, see
+        // share_poles(), and it does so where it is smoothed.
+        result.share_balls = result.share_balls &&
+                             (cloud.denoised || (options_.needs_surface && cloud.cleanness > well_sampled));
         return result;
     }
 

@@ -101,10 +101,9 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     labelling.ball_threshold = options.ball_threshold;
     labelling.noise = options.noise;
     labelling.deep_intersection = options.deep_intersection;
-    // The crust then goes through the samples, see through_samples below.
-    labelling.share_balls = options.smooth && options.simplify && options.ball_threshold == 0;
+    labelling.share_balls = options.simplify && options.ball_threshold == 0;
     labelling.threads = resolve_threads(options.threads);
-    const LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.75, "crust"));
+    LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.75, "crust"));
     const PreparedSamples& cloud = found.cloud;
     const LabelledBalls& labelled = found.labelled;
     const UnitFrame& frame = cloud.frame;
@@ -140,7 +139,9 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
     DroppedBodies dropped;
-    mesh = make_crust(labelled, crust, progress.part(0.75, 0.9, "crust"), &dropped);
+    if (!found.polygons)
+        found.polygons = list_crust_polygons(labelled.regular, labelled.labels, crust.threads);
+    mesh = make_crust(std::move(*found.polygons), labelled, crust, progress.part(0.75, 0.9, "crust"), &dropped);
     if (options.smooth && cloud.surface && !through_samples)
     {
         times.begin("smooth");

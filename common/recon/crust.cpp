@@ -72,7 +72,13 @@ TriangleMesh simplify(CrustPolygons polygons, const LabelledBalls& labelled, con
 TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress,
                         DroppedBodies* dropped)
 {
-    CrustPolygons polygons = list_crust_polygons(labelled.regular, labelled.labels, options.threads);
+    return make_crust(list_crust_polygons(labelled.regular, labelled.labels, options.threads), labelled, options,
+                      progress, dropped);
+}
+
+TriangleMesh make_crust(CrustPolygons polygons, const LabelledBalls& labelled, const CrustOptions& options,
+                        const Progress& progress, DroppedBodies* dropped)
+{
     if (polygons.corners.empty())
         throw AlgorithmFailure("No polar ball inside the surface is left. Lower ball_threshold if it is not 0 "
                                "(automatic); if it is, the points are too few or too scattered for a surface.");

@@ -34,6 +34,10 @@ struct CrustOptions
 TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress = {},
                         DroppedBodies* dropped = nullptr);
 
+/// The same. \param polygons list_crust_polygons() of the balls, for who has listed them already.
+TriangleMesh make_crust(CrustPolygons polygons, const LabelledBalls& labelled, const CrustOptions& options,
+                        const Progress& progress = {}, DroppedBodies* dropped = nullptr);
+
 /// What a user should know of it, empty if that is nothing.
 std::string describe(const DroppedBodies& dropped);
 

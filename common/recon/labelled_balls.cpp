@@ -30,8 +30,8 @@ constexpr double island_share = 0.02;
 constexpr double small_below = 2;
 
 /// Up to this share of violated votes shared balls gave the labels that all balls give. Where more are, walls are thin
-/// or handles small, and every ball counts.
-constexpr double undisputed_votes = 0.001;
+/// or handles small, and every ball counts. Projected samples violate some by what is left of the noise.
+constexpr double undisputed_votes = 0.001, undisputed_votes_with_normals = 0.003;
 
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real
 /// holes to the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the
@@ -370,13 +370,13 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     append_box_corners(samples);
     PolesFound found = find_poles_and_scale(samples, normals, options, times, progress.part(0, 0.35, "polar balls"));
     std::optional<Labels> result;
-    if (options.share_balls && !oriented && !options.fine)
+    if (options.share_balls && !options.fine && options.opened.empty())
     {
         Poles shared = found.poles;
-        share_poles(found.delaunay, samples, shared);
+        share_poles(found.delaunay, samples, shared, options.threads);
         result = find_labels(keep_balls(samples, found, shared, options), samples, normals, options, times,
                              progress.part(0.35, 0.6, "labels"));
-        if (result->balls.violated_votes > undisputed_votes)
+        if (result->balls.violated_votes > (oriented ? undisputed_votes_with_normals : undisputed_votes))
             result.reset();
     }
     if (!result)

@@ -23,8 +23,8 @@ struct BallLabellingOptions
     bool fine = false;            ///< Nothing is noise: balls stay by the spacing alone, however thin the wall around them.
     /// Samples may share polar balls as long as the labels contradict next to none of their votes, see share_poles().
     bool share_balls = false;
-    /// Balls that are outer, as numbered by an earlier run on the same samples with all else equal. Normals then decide
-    /// only where poles are sought.
+    /// Balls that are outer, as numbered by an earlier run on the same samples with all else equal, in which none were
+    /// shared. Normals then decide only where poles are sought, and none are shared.
     std::vector<int> opened;
     int threads = 1;
 };

@@ -3,6 +3,7 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
+#include <cstdint>
 
 namespace recon
 {
@@ -116,40 +117,58 @@ void find_slant_poles(const Triangulation& delaunay, const Points& samples, Pole
                     });
 }
 
-void share_poles(const Triangulation& delaunay, const Points& samples, Poles& poles)
+void share_poles(const Triangulation& delaunay, const Points& samples, Poles& poles, int threads)
 {
-    constexpr double smallest_cosine = 0.9, smallest_ratio = 0.5;
+    // Looser ones leave hardly fewer balls, and a crust that is coarser than the samples.
+    constexpr double smallest_cosine = 0.95, smallest_ratio = 0.7;
     const int n = int(samples.size()) - box_corner_count;
-    std::vector<std::array<char, 2>> is_settled(std::size_t(n), {0, 0});
-    const auto offer = [&](int c, int v)
+    const auto can_serve = [&](const Vector& offset, int v, int side)
     {
-        const Vector offset = delaunay.centres[c] - samples[v];
-        const double squared = offset.squaredNorm();
-        for (int side = 0; side < 2; ++side)
-        {
-            int& own = poles.cells[v][side];
-            if (is_settled[v][side] || own == Poles::none ||
-                (!poles.slant.empty() && poles.slant[v][side] != Poles::none))
-                continue;
-            const Vector own_offset = delaunay.centres[own] - samples[v];
-            const double own_squared = own_offset.squaredNorm(), along = offset.dot(own_offset);
-            if (along <= 0 || along * along < smallest_cosine * smallest_cosine * squared * own_squared ||
-                squared < smallest_ratio * smallest_ratio * own_squared)
-                continue;
-            own = c;
-            is_settled[v][side] = 1;
-        }
+        const int own = poles.cells[v][side];
+        if (own == Poles::none || (!poles.slant.empty() && poles.slant[v][side] != Poles::none))
+            return false;
+        const Vector own_offset = delaunay.centres[own] - samples[v];
+        const double squared = offset.squaredNorm(), own_squared = own_offset.squaredNorm(),
+                     along = offset.dot(own_offset);
+        return along > 0 && along * along >= smallest_cosine * smallest_cosine * squared * own_squared &&
+               squared >= smallest_ratio * smallest_ratio * own_squared;
     };
-    for (int v = 0; v < n; ++v)
-        for (int side = 0; side < 2; ++side)
+    // Per cell, bit 2 k + side: it can be the pole of its vertex k on that side.
+    using Bits = std::uint8_t;
+    std::vector<Bits> serves(std::size_t(delaunay.finite_cells), 0);
+    constexpr std::size_t grain = 8192;
+    parallel_for(
+        serves.size(), threads, {},
+        [&](std::size_t c)
         {
-            const int pole = poles.cells[v][side];
-            if (is_settled[v][side] || pole == Poles::none)
+            for (int k = 0; k < 4; ++k)
+                if (const int v = delaunay.cells[c].vertices[k]; v < n)
+                    for (int side = 0; side < 2; ++side)
+                        if (can_serve(delaunay.centres[c] - samples[v], v, side))
+                            serves[c] |= Bits(1 << (2 * k + side));
+        },
+        grain);
+    // A set cover, greedily: first cells that serve four samples, then three, then two; who is left keeps its own.
+    std::vector<Bits> is_served(std::size_t(n), 0); // bit: side
+    for (int least = 4; least > 1; --least)
+        for (int c = 0; c < delaunay.finite_cells; ++c)
+        {
+            if (__builtin_popcount(serves[c]) < least)
                 continue;
-            is_settled[v][side] = 1;
-            for (const int other : delaunay.cells[pole].vertices)
-                if (other < n)
-                    offer(pole, other);
+            const auto& vertices = delaunay.cells[c].vertices;
+            for (int k = 0; k < 4; ++k)
+                if (vertices[k] < n)
+                    serves[c] &= Bits(~(is_served[vertices[k]] << (2 * k)));
+            if (__builtin_popcount(serves[c]) < least)
+                continue;
+            for (int k = 0; k < 4; ++k)
+                for (int side = 0; side < 2; ++side)
+                    if (serves[c] >> (2 * k + side) & 1)
+                    {
+                        poles.cells[vertices[k]][side] = c;
+                        is_served[vertices[k]] |= Bits(1 << side);
+                    }
+            serves[c] = 0;
         }
 }
 
