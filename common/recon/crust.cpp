@@ -27,6 +27,9 @@ std::vector<double> list_scales(const CrustPolygons& polygons, const LabelledBal
     return result;
 }
 
+/// Where the crust is coarser than the samples, a vertex without a seat is as far from one [scale].
+constexpr double farthest_from_seat = 2;
+
 TriangleMesh simplify(CrustPolygons polygons, const LabelledBalls& labelled, const CrustOptions& options,
                       const Progress& progress)
 {
@@ -51,6 +54,7 @@ TriangleMesh simplify(CrustPolygons polygons, const LabelledBalls& labelled, con
             of_vertices.squared.push_back(nearest.squared[c]);
         }
         seats = seat_samples(of_vertices, options.interpolated->size());
+        collapse.never_above = farthest_from_seat;
         for (const int sample : seats)
             collapse.stays.push_back(sample >= 0);
     }

@@ -96,6 +96,43 @@ bool HalfEdgeMesh::split(int t, const Point& p)
     return true;
 }
 
+bool HalfEdgeMesh::split_edge(int h, const Point& p)
+{
+    const int g = twin(h), t = h >> 2, u = g >> 2;
+    const int a = origin(h), b = target(h), c = opposite(h), d = opposite(g);
+    const Vector mean = (area_vector(t) + area_vector(u)).normalized();
+    const int sides[4][2] = {{b, c}, {c, a}, {a, d}, {d, b}};
+    for (const auto& [from, to] : sides)
+    {
+        const Vector part = (position(from) - p).cross(position(to) - p);
+        if (!(part.dot(mean) > 0.2 * part.norm()))
+            return false;
+    }
+    const int bc = twin(next_half_edge(h)), ca = twin(previous_half_edge(h)), ad = twin(next_half_edge(g)),
+              db = twin(previous_half_edge(g));
+    const int v = vertices(), w = triangles(), x = w + 1;
+    mesh_.vertices.push_back(p);
+    mesh_.triangles.resize(mesh_.triangles.size() + 2);
+    half_edges_.twin.resize(mesh_.triangles.size());
+    half_edges_.outgoing.push_back(-1);
+    half_edges_.degree.push_back(4);
+    put(t, b, c, v);
+    put(w, c, a, v);
+    put(u, a, d, v);
+    put(x, d, b, v);
+    join(4 * t, bc);
+    join(4 * w, ca);
+    join(4 * u, ad);
+    join(4 * x, db);
+    join(4 * t + 1, 4 * w + 2);
+    join(4 * w + 1, 4 * u + 2);
+    join(4 * u + 1, 4 * x + 2);
+    join(4 * x + 1, 4 * t + 2);
+    ++half_edges_.degree[c];
+    ++half_edges_.degree[d];
+    return true;
+}
+
 void HalfEdgeMesh::put(int t, int a, int b, int c)
 {
     mesh_.triangles[t] = {a, b, c};

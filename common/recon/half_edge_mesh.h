@@ -50,6 +50,9 @@ public:
     /// Makes three triangles of one, with a new vertex that lies above the inside of it, not far from its plane.
     /// \returns whether p lies so; else nothing changes.
     bool split(int t, const Point& p);
+    /// Makes four triangles of the two beside the edge of h, with a new vertex on the edge or near it.
+    /// \returns whether no triangle turns over; else nothing changes.
+    bool split_edge(int h, const Point& p);
 
 private:
     void put(int t, int a, int b, int c);

@@ -19,21 +19,27 @@ namespace
 /// A sample farther from the surface than this belongs to another part [longest side of the triangle there].
 constexpr double farthest = 0.5;
 /// Moves that neighbours forbid succeed when these have moved and edges have flipped.
-constexpr int rounds = 2;
+constexpr int rounds = 3;
+
+/// Squared distance to the side from a to b.
+double squared_distance(const Point& p, const Point& a, const Point& b)
+{
+    const Vector side = b - a, offset = p - a;
+    const double squared = side.squaredNorm(), t = squared > 0 ? std::clamp(offset.dot(side) / squared, 0.0, 1.0) : 0;
+    return (offset - t * side).squaredNorm();
+}
 
 /// Squared distance to a triangle.
 double squared_distance(const Point& p, const Point& a, const Point& b, const Point& c)
 {
     const Vector normal = (b - a).cross(c - a);
     double least = 1e300;
-    bool is_above = true;
+    bool is_above = normal.squaredNorm() > 0;
     const Point* corners[4] = {&a, &b, &c, &a};
     for (int k = 0; k < 3; ++k)
     {
-        const Vector side = *corners[k + 1] - *corners[k], offset = p - *corners[k];
-        const double t = std::clamp(offset.dot(side) / side.squaredNorm(), 0.0, 1.0);
-        least = std::min(least, (offset - t * side).squaredNorm());
-        is_above = is_above && side.cross(offset).dot(normal) >= 0;
+        least = std::min(least, squared_distance(p, *corners[k], *corners[k + 1]));
+        is_above = is_above && (*corners[k + 1] - *corners[k]).cross(p - *corners[k]).dot(normal) >= 0;
     }
     const double height = normal.dot(p - a);
     return is_above ? height * height / normal.squaredNorm() : least;
@@ -75,10 +81,11 @@ private:
         int moved = 0;
         for (int v = 0; v < int(seats_.size()); ++v)
             if (const int sample = seats_[v];
-                sample >= 0 && !is_vertex_[sample] && is_near(v, samples_[sample]) && mesh_.move(v, samples_[sample]))
+                sample >= 0 && !is_vertex_[sample] && is_near(v, samples_[sample]))
             {
-                is_vertex_[sample] = 1;
-                ++moved;
+                is_vertex_[sample] = mesh_.move(v, samples_[sample]);
+                // Half the way may do, and edges flip before the other half.
+                moved += is_vertex_[sample] || mesh_.move(v, (samples_[sample] + mesh_.position(v)) / 2);
             }
         return moved;
     }
@@ -131,7 +138,19 @@ private:
         for (int h = 4 * nearest; h < 4 * nearest + 3; ++h)
             longest =
                 std::max(longest, (mesh_.position(mesh_.origin(h)) - mesh_.position(mesh_.target(h))).squaredNorm());
-        return least < farthest * farthest * longest && mesh_.split(nearest, p);
+        if (!(least < farthest * farthest * longest))
+            return false;
+        if (mesh_.split(nearest, p))
+            return true;
+        std::array<std::pair<double, int>, 3> sides;
+        for (int k = 0; k < 3; ++k)
+        {
+            const int h = 4 * nearest + k;
+            sides[k] = {squared_distance(p, mesh_.position(mesh_.origin(h)), mesh_.position(mesh_.target(h))), h};
+        }
+        std::sort(sides.begin(), sides.end());
+        return std::any_of(sides.begin(), sides.end(),
+                           [&](const auto& side) { return mesh_.split_edge(side.second, p); });
     }
 
     HalfEdgeMesh mesh_;
