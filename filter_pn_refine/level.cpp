@@ -92,12 +92,12 @@ void make_children(const Level& level, const Growth& growth, const UnitFrame& fr
 {
     const LeafChildren& children = growth.children[leaf];
     const int first = growth.first[leaf], n = children.count();
-    kernels().finish_children(level.points.data(), children.corners().data(), n, made, appended.parents + first);
+    kernels().finish_children(level.points.data(), children.corners(), n, made, appended.parents + first);
     for (int k = 0; k < n; ++k)
     {
         made[k].flags = WorkPoint::refined;
         if (growth.correct)
-            growth.correct(children.corners()[std::size_t(k)], made[k]);
+            growth.correct(children.corners()[k], made[k]);
     }
     for (const auto& [own, number] : children.made())
         made[own] = growth.made[std::size_t(number)];
@@ -199,13 +199,39 @@ void LeafChildren::reserve(int n)
     n = padded(n);
     if (n <= capacity_)
         return;
-    std::unique_ptr<float[]> larger(new float[8 * std::size_t(n) + lane_count]); // whole vectors are read
+    std::unique_ptr<float[]> rows(new float[8 * std::size_t(n)]);
     for (std::size_t r = 0; r < 8; ++r)
-        std::copy_n(rows_.get() + r * std::size_t(capacity_), capacity_ > 0 ? corners_.size() : 0,
-                    larger.get() + r * std::size_t(n));
-    rows_ = std::move(larger);
-    capacity_ = n;
-    corners_.reserve(std::size_t(n));
+        std::copy_n(rows_ + r * std::size_t(capacity_), count_, rows.get() + r * std::size_t(n));
+    std::unique_ptr<std::array<int, 3>[]> corners(new std::array<int, 3>[std::size_t(n)]);
+    std::copy_n(corners_, count_, corners.get());
+    own_rows_ = std::move(rows);
+    own_corners_ = std::move(corners);
+    use(own_rows_.get(), own_corners_.get(), n);
+}
+
+std::vector<LeafChildren> ChildrenMemory::lists_for(const Level& level)
+{
+    std::vector<LeafChildren> lists(level.leaves.size());
+    std::size_t block = 0;
+    int used = 0; // of the block
+    for (std::size_t i = 0; i < lists.size(); ++i)
+    {
+        if (!level.leaves[i].is_refined())
+            continue;
+        const int room = padded(2 * level.leaves[i].size());
+        if (used + room > block_size)
+        {
+            ++block;
+            used = 0;
+        }
+        if (block == blocks_.size())
+            blocks_.push_back({std::unique_ptr<Line[]>(new Line[8 * block_size / lane_count]),
+                               std::unique_ptr<std::array<int, 3>[]>(new std::array<int, 3>[block_size])});
+        lists[i].use(blocks_[block].rows[std::size_t(8 * used / lane_count)].values,
+                     blocks_[block].corners.get() + used, room);
+        used += room;
+    }
+    return lists;
 }
 
 Level make_level(std::vector<WorkPoint> points)

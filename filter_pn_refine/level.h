@@ -1,5 +1,7 @@
 #pragma once
 
+#include "local_points.h"
+
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -80,16 +82,24 @@ public:
     /// x, y, z, nx, ny, nz, radius, largest radius.
     using Row = std::array<float, 8>;
 
-    int count() const { return int(corners_.size()); }
+    int count() const { return count_; }
+    /// Uses this memory, room for `capacity` children, until there are more. \pre The children so far, if any, are there
+    /// already; capacity is a multiple of lane_count.
+    void use(float* rows, std::array<int, 3>* corners, int capacity)
+    {
+        rows_ = rows;
+        corners_ = corners;
+        capacity_ = capacity;
+    }
     void reserve(int n);
     /// Centre of the PN triangle of three points of the level, given by their places.
     void append(const std::array<int, 3>& corners, const Row& row)
     {
-        if (count() == capacity_)
-            reserve(count() + count() / 2 + 16);
+        if (count_ == capacity_)
+            reserve(count_ + count_ / 2 + 16);
         for (std::size_t r = 0; r < 8; ++r)
-            rows_[r * std::size_t(capacity_) + corners_.size()] = row[r];
-        corners_.push_back(corners);
+            rows_[r * std::size_t(capacity_) + std::size_t(count_)] = row[r];
+        corners_[count_++] = corners;
     }
     /// A point that is made already, number `made` of Growth::made; `corners` are the points it comes from.
     void append_made(int made, const std::array<int, 3>& corners, const Row& row)
@@ -100,18 +110,42 @@ public:
 
     RowsView rows() const
     {
-        const auto at = [&](std::size_t r) { return rows_.get() + r * std::size_t(capacity_); };
+        const auto at = [&](std::size_t r) { return rows_ + r * std::size_t(capacity_); };
         return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), count()};
     }
     float& radius(int i) { return rows_[6 * std::size_t(capacity_) + std::size_t(i)]; }
-    const std::vector<std::array<int, 3>>& corners() const { return corners_; }
+    const std::array<int, 3>* corners() const { return corners_; }
     const std::vector<std::array<int, 2>>& made() const { return made_; } ///< (Own index, number).
 
 private:
-    int capacity_ = 0;
-    std::unique_ptr<float[]> rows_;
-    std::vector<std::array<int, 3>> corners_;
+    int count_ = 0, capacity_ = 0;
+    float* rows_ = nullptr;
+    std::array<int, 3>* corners_ = nullptr;
+    std::unique_ptr<float[]> own_rows_; ///< Where the caller's memory was too small.
+    std::unique_ptr<std::array<int, 3>[]> own_corners_;
     std::vector<std::array<int, 2>> made_;
+};
+
+/// Memory for the children of all leaves of a level, used again for those of the next. In thousands of small pieces it
+/// took one thread 2 % of a run to give back; in a new piece each step more pages were touched for the first time.
+class ChildrenMemory
+{
+public:
+    /// One empty list per leaf, with room for twice its points if any is refined. Lists given before are void.
+    std::vector<LeafChildren> lists_for(const Level& level);
+
+private:
+    static constexpr int block_size = 16384; // children
+    struct alignas(4 * lane_count) Line
+    {
+        float values[lane_count];
+    };
+    struct Block
+    {
+        std::unique_ptr<Line[]> rows;
+        std::unique_ptr<std::array<int, 3>[]> corners;
+    };
+    std::vector<Block> blocks_;
 };
 
 /// Sorts points into leaves.

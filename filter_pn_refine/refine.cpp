@@ -312,7 +312,7 @@ private:
         const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name_));
         if (graph.is_empty)
             return false;
-        std::vector<LeafChildren> children(level_.leaves.size());
+        std::vector<LeafChildren> children = children_memory_.lists_for(level_);
         std::vector<WorkPoint> on_segments;
         std::vector<float> next_radius(level_.points.size(), 0.f);
         std::vector<int> open_gaps(level_.leaves.size(), 0);
@@ -430,6 +430,7 @@ private:
     std::optional<UsableSamples> usable_; ///< Until the first step is done.
     double slack_ = 0;                    ///< Of a HermiteSurface's gradients.
     Level level_;
+    ChildrenMemory children_memory_;
     std::vector<Segment> segments_;
     float spacing_ratio_ = 1; ///< By which points have come nearer to each other since the start.
     float shrinking_ = 0.7f;  ///< In the last step; the first usually doubles the points.

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <thread>
+#include <vector>
 
 namespace recon::pn
 {
@@ -139,17 +140,35 @@ private:
     std::atomic<bool> has_failed_{false};
 };
 
+/// First leaves of stretches of [0, n), and n: long ones first, so that threads seldom meet, short ones last, so that all
+/// end at the same time.
+std::vector<std::size_t> cut_into_stretches(std::size_t n, int threads)
+{
+    constexpr std::size_t shortest = 16, longest = 1024; // the caller's thread may be cancelled after each
+    std::vector<std::size_t> cuts = {0};
+    while (cuts.back() < n)
+    {
+        const std::size_t left = n - cuts.back();
+        cuts.push_back(cuts.back() +
+                       std::min(left, std::clamp(left / (3 * std::size_t(threads)), shortest, longest)));
+    }
+    return cuts;
+}
+
 } // namespace
 
 void refine_leaves(const RefineStep& step, int threads, const Progress& progress)
 {
     LeafOrder order(step);
-    const std::size_t n = step.level.leaves.size();
-    // Long stretches, so that threads seldom meet, but enough of them for all to end at the same time and to cancel
-    // soon.
-    const std::size_t grain = std::clamp<std::size_t>(n / (4 * std::size_t(threads)), 16, 1024);
+    const std::vector<std::size_t> cuts = cut_into_stretches(step.level.leaves.size(), threads);
     parallel_for(
-        n, threads, progress, [&](std::size_t leaf) { order.visit(int(leaf)); }, grain);
+        cuts.size() - 1, threads, progress,
+        [&](std::size_t stretch)
+        {
+            for (std::size_t leaf = cuts[stretch]; leaf < cuts[stretch + 1]; ++leaf)
+                order.visit(int(leaf));
+        },
+        1);
 }
 
 } // namespace recon::pn
