@@ -19,9 +19,10 @@ struct NoisyPlane
 /// Half the thickness of what noise makes of a plane, and how far off what it leaves bare begins [noise].
 constexpr double slab_half = 2.5, beside_slab = 3.5;
 
-/// Standard deviation of the heights in the slab up to which they are noise: 0.95 of a plane's, 1.44 of any slab's
-/// through a body [noise].
-constexpr double widest_spread = 1.05;
+/// Standard deviation of the heights in the slab up to which they are more likely a plane's than spread evenly, as
+/// those of any slab through a body are: where exp(-h^2 / 2) / (sqrt(2 pi) erf(slab_half / sqrt(2))) is as likely as
+/// 1 / (2 slab_half). A plane's spread is 0.95, an even one 1.44 [noise].
+constexpr double widest_spread = 1.185;
 
 /// Least squares through what lies in the slab of a plane. \param around indices of points. \returns false if these do
 /// not span a plane.

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 using namespace recon;
 using namespace flat_shapes;
@@ -19,30 +20,49 @@ namespace
 
 constexpr double noise = 0.0015;
 
-struct Completed
-{
-    PreparedSamples cloud;
-    NoisyFlatCompletion flats; ///< In input units.
-};
+constexpr double plate = 0.25;
 
-Completed complete(const Points& points, int threads = 1)
+/// Rims of a plate with bevels, as high as wide, at both faces.
+Points bevelled_plate(double bevel)
+{
+    Points points;
+    for (const double side : {-1.0, 1.0})
+    {
+        append_ring(points, 0, 0, side * (0.5 * plate - bevel), 0.45, 140);
+        append_ring(points, 0, 0, side * 0.5 * plate, 0.45 - bevel, 140);
+        append_ring(points, 0, 0, side * (0.5 * plate - bevel), 0.2, 63);
+        append_ring(points, 0, 0, side * 0.5 * plate, 0.2 + bevel, 63);
+    }
+    return points;
+}
+
+PreparedSamples prepare(const Points& points, int threads = 1)
 {
     SamplePreparationOptions options;
     options.threads = threads;
     PhaseTimes times;
-    Completed result{prepare_samples(points, options, times), {}};
-    const PreparedSamples& cloud = result.cloud;
-    result.flats =
-        complete_noisy_flats(cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals, threads);
-    cloud.frame.from_unit_in_place(result.flats.points);
-    return result;
+    return prepare_samples(points, options, times);
+}
+
+/// In input units. \param share of the noise that is assumed.
+NoisyFlatCompletion complete(const PreparedSamples& cloud, int threads = 1, double share = 1)
+{
+    NoisyFlatCompletion flats = complete_noisy_flats(cloud.distinct, share * cloud.noise / cloud.frame.scale(),
+                                                     cloud.samples, cloud.normals, threads);
+    cloud.frame.from_unit_in_place(flats.points);
+    return flats;
+}
+
+NoisyFlatCompletion complete(const Points& points, int threads = 1)
+{
+    return complete(prepare(points, threads), threads);
 }
 
 } // namespace
 
 TEST(CompleteNoisyFlats, SamplesLieOnFacesAndWallsAndFaceOutward)
 {
-    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(flange(), noise, 4, 1)).flats;
+    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(flange(), noise, 4, 1));
     ASSERT_GT(flats.points.size(), 500u);
     ASSERT_EQ(flats.normals.size(), flats.points.size());
     int on_faces = 0, right_on_faces = 0, on_walls = 0, right_on_walls = 0, off = 0;
@@ -105,7 +125,7 @@ TEST(CompleteNoisyFlats, WallsOfABoreRiseToBothStepsOfTheFaceAbove)
             for (const double side : {-1.0, 1.0})
                 points.emplace_back(0, side * y, z);
     }
-    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(points, noise, 4, 8)).flats;
+    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(points, noise, 4, 8));
     int on_low = 0, on_high = 0, above = 0;
     for (const Point& p : flats.points)
     {
@@ -120,12 +140,40 @@ TEST(CompleteNoisyFlats, WallsOfABoreRiseToBothStepsOfTheFaceAbove)
     EXPECT_LT(above, 0.1 * on_low); // noise alone puts up to ten there, walls to the wrong step half of them
 }
 
+TEST(CompleteNoisyFlats, FacesBevelledByLittleMoreThanTheNoiseAreFound)
+{
+    const PreparedSamples cloud = prepare(shapes::with_noisy_copies(bevelled_plate(1.3 * 0.004), 0.004, 4, 9));
+    // Also where the noise is taken a tenth too low or too high.
+    for (const double share : {0.9, 1.0, 1.1})
+    {
+        int on_faces[2] = {0, 0};
+        for (const Point& p : complete(cloud, 1, share).points)
+        {
+            const double radius = std::hypot(p.x(), p.y());
+            if (radius > 0.25 && radius < 0.4 && std::abs(std::abs(p.z()) - 0.5 * plate) < 0.006)
+                ++on_faces[p.z() > 0];
+        }
+        EXPECT_GT(std::min(on_faces[0], on_faces[1]), 100) << share;
+    }
+}
+
+TEST(CompleteNoisyFlats, FacesThatTheSamplesObjectToAreDropped)
+{
+    // A channel's walls end beside its ground: with samples on all that passes for a face it has 1.75 of its volume.
+    const Points points =
+        prism({{0, 0}, {1, 0}, {1, 0.8}, {0.8, 0.8}, {0.8, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {0, 0.8}}, 0.4, 0.03);
+    const checks::MeshReport report =
+        checks::examine_mesh(reconstruct_noisy_power_crust(shapes::with_noisy_copies(points, noise, 4, 8)).mesh);
+    EXPECT_EQ(report.genus(), 0);
+    EXPECT_NEAR(report.volume / (0.44 * 0.4), 1, 0.1);
+}
+
 TEST(CompleteNoisyFlats, SamplesNearTheNewOnesGiveWay)
 {
-    const Completed found = complete(shapes::with_noisy_copies(flange(), noise, 4, 2));
+    const PreparedSamples cloud = prepare(shapes::with_noisy_copies(flange(), noise, 4, 2));
     // All of this cloud lies on rims.
-    const auto& replaced = found.flats.is_replaced;
-    ASSERT_EQ(replaced.size(), found.cloud.samples.size());
+    const std::vector<char> replaced = complete(cloud).is_replaced;
+    ASSERT_EQ(replaced.size(), cloud.samples.size());
     EXPECT_GT(std::count(replaced.begin(), replaced.end(), 1), 0.8 * double(replaced.size()));
 }
 
@@ -151,14 +199,14 @@ TEST(CompleteNoisyFlats, LeavesWellSampledCloudsAlone)
 {
     const Points box = shapes::box(6000, Vector(0.6, 0.5, 0.4), 3).points;
     const Points torus = shapes::torus(3000, 0.35, 0.12, 2).points;
-    EXPECT_TRUE(complete(shapes::with_noisy_copies(box, 0.003, 4, 5)).flats.points.empty());
-    EXPECT_TRUE(complete(shapes::with_noisy_copies(torus, 0.003, 4, 6)).flats.points.empty());
+    EXPECT_TRUE(complete(shapes::with_noisy_copies(box, 0.003, 4, 5)).points.empty());
+    EXPECT_TRUE(complete(shapes::with_noisy_copies(torus, 0.003, 4, 6)).points.empty());
 }
 
 TEST(CompleteNoisyFlats, SameForAnyNumberOfThreads)
 {
     const Points points = shapes::with_noisy_copies(flange(), noise, 4, 7);
-    const NoisyFlatCompletion a = complete(points, 1).flats, b = complete(points, 2).flats;
+    const NoisyFlatCompletion a = complete(points, 1), b = complete(points, 2);
     ASSERT_EQ(a.points.size(), b.points.size());
     for (std::size_t i = 0; i < a.points.size(); ++i)
         EXPECT_EQ(a.points[i], b.points[i]);
