@@ -115,6 +115,25 @@ TEST(NoisyPowerCrust, DenoisesOnlyWhatIsNoisy)
     }
 }
 
+TEST(NoisyPowerCrust, SharesBallsUnlessTheCrustHasToBeFine)
+{
+    const auto balls_per_sample = [](const Points& points, bool smooth, bool simplify)
+    {
+        NoisyPowerCrustOptions options;
+        options.smooth = smooth;
+        options.simplify = simplify;
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points, options);
+        EXPECT_EQ(crust.genus, 1);
+        return double(crust.balls_kept) / crust.samples;
+    };
+    const Points clean = shapes::torus(5000, 1, 0.35, 2).points, noisy = shapes::with_noisy_copies(clean, 0.02, 4, 9);
+    EXPECT_LT(balls_per_sample(noisy, true, true), 1);
+    EXPECT_LT(balls_per_sample(noisy, false, true), 1);
+    EXPECT_GT(balls_per_sample(noisy, true, false), 1.5);
+    EXPECT_LT(balls_per_sample(clean, true, true), 1);
+    EXPECT_GT(balls_per_sample(clean, false, true), 1.5);
+}
+
 TEST(NoisyPowerCrust, WallsThinnerThanTwoSpacingsAreNoNoise)
 {
     constexpr int side = 24;
