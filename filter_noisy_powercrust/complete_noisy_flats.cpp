@@ -3,11 +3,8 @@
 #include "complete_flats.h"
 #include "keep_apart.h"
 #include "noisy_faces.h"
-#include "noisy_planes.h"
-#include "planar_faces.h"
+#include "noisy_walls.h"
 
-#include <recon/block_search.h>
-#include <recon/disjoint_sets.h>
 #include <recon/median.h>
 #include <recon/neighbours.h>
 
@@ -15,38 +12,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <map>
 
 namespace recon
 {
 namespace
 {
 
-/// Share of a rim's samples at which a wall must end, within so much of its height [noise].
-constexpr double share_of_tops = 0.75, level_top = 3.5;
-/// Farthest from the straight line that rises from a rim sample that the wall's other end lies [noise].
-constexpr double aside = 3;
 /// Distance of samples on walls [rim spacings].
 constexpr double wall_density = 0.4;
 /// Denoised samples so near to the new ones give way: no surface could be fitted there [noise].
 constexpr double replaced_within = 3.5;
 /// Share of a face's rim that has walls, at least.
 constexpr double least_walled = 0.5;
-/// Of walls on both sides of a plane the lower one counts if the other is so many times as high.
-constexpr double one_sided = 1.5;
 /// Mean cosine of normals around a rim with that of the face above which they tell its outer side.
 constexpr double agreeing = 0.1;
 /// Share of a rim above which larger faces account for it.
 constexpr double explained = 0.7;
-/// Highest wall looked for [diagonals of the rim's box].
-constexpr double highest_wall = 3;
 
 class NoisyFlatCompleter
 {
 public:
     NoisyFlatCompleter(const Points& points, double noise, const Points& samples, const Vectors& normals)
-        : points_(points), noise_(noise), samples_(samples), normals_(normals), search_(points), sample_search_(samples)
+        : noise_(noise), samples_(samples), normals_(normals), walls_(points, noise), sample_search_(samples)
     {
         result_.is_replaced.assign(samples.size(), 0);
     }
@@ -92,13 +79,6 @@ public:
     }
 
 private:
-    struct Loop
-    {
-        std::vector<int> rim;                  ///< Indices of rim samples.
-        std::vector<Vector> away;              ///< Per rim sample.
-        std::vector<std::array<int, 2>> edges; ///< Of places in `rim`.
-    };
-
     void append(const Point& p, const Vector& normal)
     {
         result_.points.push_back(p);
@@ -155,193 +135,18 @@ private:
             std::swap(t[0], t[1]);
     }
 
-    std::vector<Loop> list_loops(const FlatFace& face) const
-    {
-        std::map<int, int> place;
-        for (const int v : face.rim)
-            place.insert({v, int(place.size())});
-        const std::vector<std::array<int, 2>> border = list_border_edges(face.triangles);
-        DisjointSets sets(face.rim.size());
-        for (const auto& [a, b] : border)
-            sets.join(place[a], place[b]);
-        std::map<int, Loop> loops;
-        std::vector<int> place_in_loop;
-        for (std::size_t k = 0; k < face.rim.size(); ++k)
-        {
-            Loop& loop = loops[int(sets.find(int(k)))];
-            place_in_loop.push_back(int(loop.rim.size()));
-            loop.rim.push_back(face.rim[k]);
-            loop.away.push_back(face.away[k]);
-        }
-        for (const auto& [v, w] : border)
-        {
-            const int a = place[v], b = place[w];
-            loops[int(sets.find(a))].edges.push_back({place_in_loop[a], place_in_loop[b]});
-        }
-        std::vector<Loop> result;
-        for (auto& entry : loops)
-            if (!entry.second.edges.empty())
-                result.push_back(std::move(entry.second));
-        return result;
-    }
-
-    /// Heights of the first points straight along `up`, per rim sample; 0 where there are none.
-    std::vector<double> find_tops(const Loop& loop, const Points& rims, const Vector& up, double highest)
-    {
-        std::vector<double> tops;
-        for (const int v : loop.rim)
-        {
-            search_.within(rims[v] + 0.5 * highest * up, 0.5 * highest + aside * noise_, near_);
-            double least = 1e300;
-            for (const int i : near_)
-            {
-                const Vector offset = points_[i] - rims[v];
-                const double height = offset.dot(up);
-                if (height > beside_slab * noise_ && (offset - height * up).norm() < aside * noise_)
-                    least = std::min(least, height);
-            }
-            tops.push_back(least < 1e300 ? least : 0);
-        }
-        return tops;
-    }
-
-    /// Height that most tops have, 0 if there is none.
-    double find_height(const std::vector<double>& tops) const
-    {
-        std::vector<double> heights;
-        std::copy_if(tops.begin(), tops.end(), std::back_inserter(heights), [](double top) { return top > 0; });
-        if (double(heights.size()) < share_of_tops * double(tops.size()))
-            return 0;
-        const double height = median(heights);
-        const auto level = std::count_if(heights.begin(), heights.end(),
-                                         [&](double h) { return std::abs(h - height) < level_top * noise_; });
-        return double(level) < share_of_tops * double(tops.size()) ? 0 : height;
-    }
-
-    /// Tops of a wall that ends in steps: each level with those of both its neighbours or of the next two on one side.
-    /// The others take the nearest such; empty if these are fewer than a wall has.
-    std::vector<double> find_steps(const Loop& loop, const std::vector<double>& tops) const
-    {
-        const std::size_t n = tops.size();
-        std::vector<std::vector<int>> next(n);
-        for (const auto& [a, b] : loop.edges)
-        {
-            next[a].push_back(b);
-            next[b].push_back(a);
-        }
-        const auto is_level_with = [&](int a, int b)
-        { return tops[a] > 0 && tops[b] > 0 && std::abs(tops[a] - tops[b]) < level_top * noise_; };
-        std::vector<double> result(n, 0);
-        std::vector<int> known;
-        for (int v = 0; v < int(n); ++v)
-        {
-            int level = 0;
-            for (const int w : next[v])
-                if (is_level_with(v, w))
-                {
-                    ++level;
-                    for (const int u : next[w])
-                        level += u != v && is_level_with(v, u);
-                }
-            if (level >= 2)
-            {
-                result[v] = tops[v];
-                known.push_back(v);
-            }
-        }
-        if (double(known.size()) < share_of_tops * double(n))
-            return {};
-        while (!known.empty())
-        {
-            std::vector<int> reached;
-            for (const int v : known)
-                for (const int w : next[v])
-                    if (result[w] == 0)
-                    {
-                        result[w] = result[v];
-                        reached.push_back(w);
-                    }
-            known = std::move(reached);
-        }
-        return result;
-    }
-
-    struct Wall
-    {
-        double height = 0; ///< 0 = none.
-        double side = 0;   ///< -1 where it falls off below the face, 1 where it rises over it.
-        double length = 0; ///< Of the loop.
-        std::vector<double> steps = {}; ///< Heights at the rim samples if they differ.
-    };
-
-    /// Diagonal of the box around a rim.
-    static double measure_box(const Loop& loop, const Points& rims)
-    {
-        Point low = rims[loop.rim[0]], high = low;
-        for (const int v : loop.rim)
-        {
-            low = low.cwiseMin(rims[v]);
-            high = high.cwiseMax(rims[v]);
-        }
-        return (high - low).norm();
-    }
-
-    /// \param is_hole only a hole's walls may end in steps: an outline's are faces with rims of their own.
-    Wall find_wall(const FlatFace& face, const Loop& loop, const Points& rims, bool is_hole)
-    {
-        Wall wall;
-        for (const auto& edge : loop.edges)
-            wall.length += (rims[loop.rim[edge[0]]] - rims[loop.rim[edge[1]]]).norm();
-        const double highest = highest_wall * measure_box(loop, rims);
-        const std::vector<double> tops_below = find_tops(loop, rims, -face.normal, highest),
-                                  tops_above = find_tops(loop, rims, face.normal, highest);
-        const double below = find_height(tops_below), above = find_height(tops_above);
-        if (is_hole && below == 0 && above == 0)
-        {
-            wall.steps = find_steps(loop, tops_below);
-            if (!wall.steps.empty() && find_steps(loop, tops_above).empty())
-            {
-                wall.side = -1;
-                wall.height = median(wall.steps);
-            }
-            else
-                wall.steps.clear();
-            return wall;
-        }
-        // As high on both sides: a surface that crosses the plane.
-        if (std::max(below, above) < one_sided * std::min(below, above) || std::max(below, above) == 0)
-            return wall;
-        wall.side = above == 0 || (below > 0 && below < above) ? -1 : 1;
-        wall.height = wall.side < 0 ? below : above;
-        // The first points lie lower than most.
-        const Vector up = wall.side * face.normal;
-        for (int round = 0; round < 3; ++round)
-        {
-            std::vector<double> heights;
-            for (const int v : loop.rim)
-            {
-                search_.within(rims[v] + wall.height * up, level_top * noise_, near_);
-                for (const int i : near_)
-                    heights.push_back((points_[i] - rims[v]).dot(up));
-            }
-            if (!heights.empty())
-                wall.height = median(heights);
-        }
-        return wall;
-    }
-
     /// \returns whether most of the face's rim has walls, so that it is a face.
     bool raise_walls(const FlatFace& face, const Points& rims)
     {
-        const std::vector<Loop> loops = list_loops(face);
+        const std::vector<RimLoop> loops = list_rim_loops(face, rims);
         double outline = 0;
-        for (const Loop& loop : loops)
-            outline = std::max(outline, measure_box(loop, rims));
-        std::vector<Wall> walls;
+        for (const RimLoop& loop : loops)
+            outline = std::max(outline, loop.box);
+        std::vector<RimWall> walls;
         double length = 0, walled = 0;
-        for (const Loop& loop : loops)
+        for (const RimLoop& loop : loops)
         {
-            walls.push_back(find_wall(face, loop, rims, measure_box(loop, rims) < outline));
+            walls.push_back(walls_.find(face, loop, rims, loop.box < outline));
             length += walls.back().length;
             walled += walls.back().side < 0 ? walls.back().length : 0;
         }
@@ -349,12 +154,12 @@ private:
             return false;
         // Most of the rim has walls of one height: there the opposite face lies, as of a prism.
         double depth = 0, most = least_walled * length;
-        for (const Wall& wall : walls)
+        for (const RimWall& wall : walls)
         {
             double same = 0;
             std::vector<double> heights;
-            for (const Wall& other : walls)
-                if (wall.side < 0 && other.side < 0 && is_level(wall, other.height))
+            for (const RimWall& other : walls)
+                if (wall.side < 0 && other.side < 0 && walls_.is_level(wall, other.height))
                 {
                     same += other.length;
                     heights.push_back(other.height);
@@ -368,7 +173,7 @@ private:
         }
         // Above a known opposite face it is enough that most points of a rim have some there.
         for (std::size_t k = 0; k < loops.size() && depth > 0; ++k)
-            if (walls[k].height == 0 && ends_at(loops[k], rims, -depth * face.normal))
+            if (walls[k].height == 0 && walls_.ends_at(loops[k], rims, -depth * face.normal))
             {
                 walls[k].height = depth;
                 walls[k].side = -1;
@@ -380,7 +185,7 @@ private:
             if (walls[k].height > 0)
             {
                 const bool ends_at_base =
-                    depth > 0 && walls[k].side < 0 && walls[k].steps.empty() && is_level(walls[k], depth);
+                    depth > 0 && walls[k].side < 0 && walls[k].steps.empty() && walls_.is_level(walls[k], depth);
                 append_wall(face, loops[k], walls[k], rims, ends_at_base);
                 if (ends_at_base)
                     for (const int v : loops[k].rim)
@@ -391,21 +196,7 @@ private:
         return true;
     }
 
-    /// Whether most samples of a rim have points beside the place that lies off them by `offset`.
-    bool ends_at(const Loop& loop, const Points& rims, const Vector& offset)
-    {
-        const auto count = std::count_if(loop.rim.begin(), loop.rim.end(),
-                                         [&](int v)
-                                         {
-                                             search_.within(rims[v] + offset, level_top * noise_, near_);
-                                             return !near_.empty();
-                                         });
-        return double(count) >= share_of_tops * double(loop.rim.size());
-    }
-
-    bool is_level(const Wall& wall, double height) const { return std::abs(wall.height - height) < level_top * noise_; }
-
-    void append_wall(const FlatFace& face, const Loop& loop, const Wall& wall, const Points& rims, bool ends_at_base)
+    void append_wall(const FlatFace& face, const RimLoop& loop, const RimWall& wall, const Points& rims, bool ends_at_base)
     {
         const Vector up = wall.side * face.normal;
         const double spacing = spacing_of(loop, rims);
@@ -440,7 +231,7 @@ private:
     }
 
     /// Median distance of neighbours on a rim.
-    double spacing_of(const Loop& loop, const Points& rims) const
+    double spacing_of(const RimLoop& loop, const Points& rims) const
     {
         std::vector<double> lengths;
         for (const auto& edge : loop.edges)
@@ -471,11 +262,10 @@ private:
         Points rims;
     };
 
-    const Points& points_;
     double noise_;
     const Points& samples_;
     const Vectors& normals_;
-    BlockSearch search_;
+    WallFinder walls_;
     NeighbourSearch sample_search_;
     std::vector<int> near_;
     Vectors rim_normals_; ///< Sums over what meets at each rim sample.

@@ -1,0 +1,216 @@
+#include "noisy_walls.h"
+
+#include "noisy_planes.h"
+#include "planar_faces.h"
+
+#include <recon/disjoint_sets.h>
+#include <recon/median.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// Share of a rim's samples at which a wall must end, within so much of its height [noise].
+constexpr double share_of_tops = 0.75, level_top = 3.5;
+/// Farthest from the straight line that rises from a rim sample that the wall's other end lies [noise].
+constexpr double aside = 3;
+/// Of walls on both sides of a plane the lower one counts if the other is so many times as high.
+constexpr double one_sided = 1.5;
+/// Highest wall looked for [diagonals of the rim's box].
+constexpr double highest_wall = 3;
+
+/// Diagonal of the box around a rim.
+double measure_box(const std::vector<int>& rim, const Points& rims)
+{
+    Point low = rims[rim[0]], high = low;
+    for (const int v : rim)
+    {
+        low = low.cwiseMin(rims[v]);
+        high = high.cwiseMax(rims[v]);
+    }
+    return (high - low).norm();
+}
+
+} // namespace
+
+std::vector<RimLoop> list_rim_loops(const FlatFace& face, const Points& rims)
+{
+    std::map<int, int> place;
+    for (const int v : face.rim)
+        place.insert({v, int(place.size())});
+    const std::vector<std::array<int, 2>> border = list_border_edges(face.triangles);
+    DisjointSets sets(face.rim.size());
+    for (const auto& [a, b] : border)
+        sets.join(place[a], place[b]);
+    std::map<int, RimLoop> loops;
+    std::vector<int> place_in_loop;
+    for (std::size_t k = 0; k < face.rim.size(); ++k)
+    {
+        RimLoop& loop = loops[int(sets.find(int(k)))];
+        place_in_loop.push_back(int(loop.rim.size()));
+        loop.rim.push_back(face.rim[k]);
+        loop.away.push_back(face.away[k]);
+    }
+    for (const auto& [v, w] : border)
+    {
+        const int a = place[v], b = place[w];
+        loops[int(sets.find(a))].edges.push_back({place_in_loop[a], place_in_loop[b]});
+    }
+    std::vector<RimLoop> result;
+    for (auto& entry : loops)
+        if (!entry.second.edges.empty())
+        {
+            result.push_back(std::move(entry.second));
+            result.back().box = measure_box(result.back().rim, rims);
+        }
+    return result;
+}
+
+RimWall WallFinder::find(const FlatFace& face, const RimLoop& loop, const Points& rims, bool is_hole)
+{
+    RimWall wall;
+    for (const auto& edge : loop.edges)
+        wall.length += (rims[loop.rim[edge[0]]] - rims[loop.rim[edge[1]]]).norm();
+    const double highest = highest_wall * loop.box;
+    const std::vector<double> tops_below = find_tops(loop, rims, -face.normal, highest),
+                              tops_above = find_tops(loop, rims, face.normal, highest);
+    const double below = find_height(tops_below), above = find_height(tops_above);
+    if (is_hole && below == 0 && above == 0)
+    {
+        wall.steps = find_steps(loop, tops_below);
+        if (!wall.steps.empty() && find_steps(loop, tops_above).empty())
+        {
+            wall.side = -1;
+            wall.height = median(wall.steps);
+        }
+        else
+            wall.steps.clear();
+        return wall;
+    }
+    // As high on both sides: a surface that crosses the plane.
+    if (std::max(below, above) < one_sided * std::min(below, above) || std::max(below, above) == 0)
+        return wall;
+    wall.side = above == 0 || (below > 0 && below < above) ? -1 : 1;
+    wall.height = wall.side < 0 ? below : above;
+    // The first points lie lower than most.
+    const Vector up = wall.side * face.normal;
+    for (int round = 0; round < 3; ++round)
+    {
+        std::vector<double> heights;
+        for (const int v : loop.rim)
+        {
+            search_.within(rims[v] + wall.height * up, level_top * noise_, near_);
+            for (const int i : near_)
+                heights.push_back((points_[i] - rims[v]).dot(up));
+        }
+        if (!heights.empty())
+            wall.height = median(heights);
+    }
+    return wall;
+}
+
+bool WallFinder::ends_at(const RimLoop& loop, const Points& rims, const Vector& offset)
+{
+    const auto count = std::count_if(loop.rim.begin(), loop.rim.end(),
+                                     [&](int v)
+                                     {
+                                         search_.within(rims[v] + offset, level_top * noise_, near_);
+                                         return !near_.empty();
+                                     });
+    return double(count) >= share_of_tops * double(loop.rim.size());
+}
+
+bool WallFinder::is_level(const RimWall& wall, double height) const
+{
+    return std::abs(wall.height - height) < level_top * noise_;
+}
+
+/// Heights of the first points straight along `up`, per rim sample; 0 where there are none.
+std::vector<double> WallFinder::find_tops(const RimLoop& loop, const Points& rims, const Vector& up, double highest)
+{
+    std::vector<double> tops;
+    for (const int v : loop.rim)
+    {
+        search_.within(rims[v] + 0.5 * highest * up, 0.5 * highest + aside * noise_, near_);
+        double least = 1e300;
+        for (const int i : near_)
+        {
+            const Vector offset = points_[i] - rims[v];
+            const double height = offset.dot(up);
+            if (height > beside_slab * noise_ && (offset - height * up).norm() < aside * noise_)
+                least = std::min(least, height);
+        }
+        tops.push_back(least < 1e300 ? least : 0);
+    }
+    return tops;
+}
+
+/// Height that most tops have, 0 if there is none.
+double WallFinder::find_height(const std::vector<double>& tops) const
+{
+    std::vector<double> heights;
+    std::copy_if(tops.begin(), tops.end(), std::back_inserter(heights), [](double top) { return top > 0; });
+    if (double(heights.size()) < share_of_tops * double(tops.size()))
+        return 0;
+    const double height = median(heights);
+    const auto level = std::count_if(heights.begin(), heights.end(),
+                                     [&](double h) { return std::abs(h - height) < level_top * noise_; });
+    return double(level) < share_of_tops * double(tops.size()) ? 0 : height;
+}
+
+/// Tops of a wall that ends in steps: each level with those of both its neighbours or of the next two on one side.
+/// The others take the nearest such; empty if these are fewer than a wall has.
+std::vector<double> WallFinder::find_steps(const RimLoop& loop, const std::vector<double>& tops) const
+{
+    const std::size_t n = tops.size();
+    std::vector<std::vector<int>> next(n);
+    for (const auto& [a, b] : loop.edges)
+    {
+        next[a].push_back(b);
+        next[b].push_back(a);
+    }
+    const auto is_level_with = [&](int a, int b)
+    { return tops[a] > 0 && tops[b] > 0 && std::abs(tops[a] - tops[b]) < level_top * noise_; };
+    std::vector<double> result(n, 0);
+    std::vector<int> known;
+    for (int v = 0; v < int(n); ++v)
+    {
+        int level = 0;
+        for (const int w : next[v])
+            if (is_level_with(v, w))
+            {
+                ++level;
+                for (const int u : next[w])
+                    level += u != v && is_level_with(v, u);
+            }
+        if (level >= 2)
+        {
+            result[v] = tops[v];
+            known.push_back(v);
+        }
+    }
+    if (double(known.size()) < share_of_tops * double(n))
+        return {};
+    while (!known.empty())
+    {
+        std::vector<int> reached;
+        for (const int v : known)
+            for (const int w : next[v])
+                if (result[w] == 0)
+                {
+                    result[w] = result[v];
+                    reached.push_back(w);
+                }
+        known = std::move(reached);
+    }
+    return result;
+}
+
+} // namespace recon

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "flat_faces.h"
+
+#include <recon/block_search.h>
+
+#include <array>
+#include <vector>
+
+namespace recon
+{
+
+/// A closed curve of the rim of a face.
+struct RimLoop
+{
+    std::vector<int> rim;                  ///< Indices of rim samples.
+    std::vector<Vector> away;              ///< Per rim sample, as in FlatFace.
+    std::vector<std::array<int, 2>> edges; ///< Of places in `rim`.
+    double box = 0;                        ///< Diagonal of the box around it [length].
+};
+
+/// \param rims what the face refers to, here and below.
+std::vector<RimLoop> list_rim_loops(const FlatFace& face, const Points& rims);
+
+/// What rises straight from a loop, or falls off from it.
+struct RimWall
+{
+    double height = 0;              ///< 0 = none [length].
+    double side = 0;                ///< -1 where it falls off below the face, 1 where it rises over it.
+    double length = 0;              ///< Of the loop.
+    std::vector<double> steps = {}; ///< Heights at the rim samples if they differ.
+};
+
+/// Finds walls of a noisy cloud by where their other ends are: between these they have no samples.
+class WallFinder
+{
+public:
+    /// \param points outlive this object. \param noise standard deviation > 0 [length].
+    WallFinder(const Points& points, double noise) : points_(points), noise_(noise), search_(points) {}
+
+    /// \param is_hole only a hole's walls may end in steps: an outline's are faces with rims of their own.
+    RimWall find(const FlatFace& face, const RimLoop& loop, const Points& rims, bool is_hole);
+
+    /// Whether most samples of a rim have points beside the place that lies off them by `offset`.
+    bool ends_at(const RimLoop& loop, const Points& rims, const Vector& offset);
+
+    /// Whether the wall is so high, but for the noise.
+    bool is_level(const RimWall& wall, double height) const;
+
+private:
+    std::vector<double> find_tops(const RimLoop& loop, const Points& rims, const Vector& up, double highest);
+    double find_height(const std::vector<double>& tops) const;
+    std::vector<double> find_steps(const RimLoop& loop, const std::vector<double>& tops) const;
+
+    const Points& points_;
+    double noise_;
+    BlockSearch search_;
+    std::vector<int> near_;
+};
+
+} // namespace recon
