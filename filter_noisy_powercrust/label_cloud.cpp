@@ -207,10 +207,7 @@ private:
     TriangleMesh extract(LabelledCloud& found)
     {
         times_.begin("mismatch");
-        if (!found.polygons)
-            found.polygons =
-                list_crust_polygons(found.labelled.regular, found.labelled.labels, labelling_.threads);
-        return triangulate_polygons(*found.polygons, labelling_.threads);
+        return triangulate_polygons(found.list_polygons(labelling_.threads), labelling_.threads);
     }
 
     /// Normals of a filled cup's hollow point into the wall.
@@ -348,6 +345,13 @@ private:
 };
 
 } // namespace
+
+CrustPolygons& LabelledCloud::list_polygons(int threads)
+{
+    if (!polygons)
+        polygons = list_crust_polygons(labelled.regular, labelled.labels, threads);
+    return *polygons;
+}
 
 LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
                           const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)

@@ -21,7 +21,9 @@ struct LabelledCloud
     int backs = 0;            ///< Samples put behind sheets that had the outside on both sides [count].
     double lost_sheets = 0;   ///< Share of samples in such sheets of a crust with handles, before they had backs [0..1].
     double missed_points = 0; ///< Share off a surface with bare lids, which may have lost walls; 0: none suspected.
-    std::optional<CrustPolygons> polygons = {}; ///< Those of the labels, if these were judged by their crust.
+    /// Polygons of the crust, listed once: labels may be judged by their crust before it is made.
+    std::optional<CrustPolygons> polygons = {};
+    CrustPolygons& list_polygons(int threads);
 };
 
 /// Prepares the samples and labels their polar balls; where faces are bare, again with these completed, and the labels

@@ -139,9 +139,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
     DroppedBodies dropped;
-    if (!found.polygons)
-        found.polygons = list_crust_polygons(labelled.regular, labelled.labels, crust.threads);
-    mesh = make_crust(std::move(*found.polygons), labelled, crust, progress.part(0.75, 0.9, "crust"), &dropped);
+    mesh = make_crust(std::move(found.list_polygons(crust.threads)), labelled, crust, progress.part(0.75, 0.9, "crust"), &dropped);
     if (options.smooth && cloud.surface && !through_samples)
     {
         times.begin("smooth");

@@ -75,17 +75,11 @@ bool HalfEdgeMesh::split(int t, const Point& p)
     for (int k = 0; k < 3; ++k)
     {
         const Point& a = position(corners[k]);
-        const Vector part = (position(corners[k == 2 ? 0 : k + 1]) - a).cross(p - a);
-        if (!(part.dot(normal) > 0.2 * part.norm()))
+        if (!faces((position(corners[k == 2 ? 0 : k + 1]) - a).cross(p - a), normal))
             return false;
         outside[k] = twin(4 * t + k);
     }
-    const int v = vertices(), parts[3] = {t, triangles(), triangles() + 1};
-    mesh_.vertices.push_back(p);
-    mesh_.triangles.resize(mesh_.triangles.size() + 2);
-    half_edges_.twin.resize(mesh_.triangles.size());
-    half_edges_.outgoing.push_back(-1);
-    half_edges_.degree.push_back(3);
+    const int parts[3] = {t, triangles(), triangles() + 1}, v = append_vertex(p, 3);
     for (int k = 0; k < 3; ++k)
     {
         put(parts[k], corners[k], corners[k == 2 ? 0 : k + 1], v);
@@ -103,19 +97,11 @@ bool HalfEdgeMesh::split_edge(int h, const Point& p)
     const Vector mean = (area_vector(t) + area_vector(u)).normalized();
     const int sides[4][2] = {{b, c}, {c, a}, {a, d}, {d, b}};
     for (const auto& [from, to] : sides)
-    {
-        const Vector part = (position(from) - p).cross(position(to) - p);
-        if (!(part.dot(mean) > 0.2 * part.norm()))
+        if (!faces((position(from) - p).cross(position(to) - p), mean))
             return false;
-    }
     const int bc = twin(next_half_edge(h)), ca = twin(previous_half_edge(h)), ad = twin(next_half_edge(g)),
               db = twin(previous_half_edge(g));
-    const int v = vertices(), w = triangles(), x = w + 1;
-    mesh_.vertices.push_back(p);
-    mesh_.triangles.resize(mesh_.triangles.size() + 2);
-    half_edges_.twin.resize(mesh_.triangles.size());
-    half_edges_.outgoing.push_back(-1);
-    half_edges_.degree.push_back(4);
+    const int w = triangles(), x = w + 1, v = append_vertex(p, 4);
     put(t, b, c, v);
     put(w, c, a, v);
     put(u, a, d, v);
@@ -131,6 +117,16 @@ bool HalfEdgeMesh::split_edge(int h, const Point& p)
     ++half_edges_.degree[c];
     ++half_edges_.degree[d];
     return true;
+}
+
+int HalfEdgeMesh::append_vertex(const Point& p, int degree)
+{
+    mesh_.vertices.push_back(p);
+    mesh_.triangles.resize(mesh_.triangles.size() + 2);
+    half_edges_.twin.resize(mesh_.triangles.size());
+    half_edges_.outgoing.push_back(-1);
+    half_edges_.degree.push_back(degree);
+    return vertices() - 1;
 }
 
 void HalfEdgeMesh::put(int t, int a, int b, int c)

@@ -55,6 +55,8 @@ public:
     bool split_edge(int h, const Point& p);
 
 private:
+    /// Room for a vertex at p and two triangles more. \returns the vertex.
+    int append_vertex(const Point& p, int degree);
     void put(int t, int a, int b, int c);
     void join(int h, int g);
 
@@ -62,12 +64,17 @@ private:
     HalfEdges half_edges_;
 };
 
+/// Whether a triangle of that area vector faces where the surface around it does.
+inline bool faces(const Vector& area_vector, const Vector& unit_mean)
+{
+    return area_vector.dot(unit_mean) > 0.2 * area_vector.norm();
+}
+
 /// Whether a triangle may get the area vector `after`: it turns neither against the mean of the surface around it, nor
 /// much against what it was.
 inline bool keeps_direction(const Vector& before, const Vector& after, const Vector& unit_mean)
 {
-    const double size = after.norm();
-    return after.dot(unit_mean) > 0.2 * size || after.dot(before) > 0.7 * size * before.norm();
+    return faces(after, unit_mean) || after.dot(before) > 0.7 * after.norm() * before.norm();
 }
 
 } // namespace recon
