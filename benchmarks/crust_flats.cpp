@@ -97,8 +97,11 @@ std::vector<Shape> list_shapes()
         {"plate with 6 bores", {{0, 0}, {1, 0}, {1, 0.6}, {0, 0.6}}, bores, 0.05, 0.03},
         {"flange with 4 bores", circle(0, 0, 0.45, 150), bolts, 0.06, 0.02},
         {"flange, bores at its rim", circle(0, 0, 0.445, 95), crowded, 0.08, 0.03},
-        {"plate, bores in a row", {{0, 0}, {1, 0}, {1, 0.4}, {0, 0.4}},
-         {circle(0.2, 0.2, 0.14, 40), circle(0.488, 0.2, 0.14, 40), circle(0.776, 0.2, 0.14, 40)}, 0.07, 0.03},
+        {"plate, bores in a row",
+         {{0, 0}, {1, 0}, {1, 0.4}, {0, 0.4}},
+         {circle(0.2, 0.2, 0.14, 40), circle(0.488, 0.2, 0.14, 40), circle(0.776, 0.2, 0.14, 40)},
+         0.07,
+         0.03},
         {"tube", circle(0, 0, 0.4, 90), {circle(0, 0, 0.3, 70)}, 0.6, 0.03},
         {"rod", circle(0, 0, 0.3, 60), {}, 0.5, 0.03},
     };
@@ -135,12 +138,13 @@ int main(int argc, char** argv)
                 const double volume = report.volume / (ground * shape.height);
                 const bool ok = is_right(report, model.genus, volume);
                 std::printf("| %s | %s | %s | %zu | %d | %d | %d / %d | %.3f | %.3f |\n", shape.name, sigma.c_str(),
-                            ok ? "yes" : "-", model.mesh.vertices.size(), crust.completed, report.components, report.genus(),
-                            model.genus, volume, crust.violated_votes);
+                            ok ? "yes" : "-", model.mesh.vertices.size(), crust.completed, report.components,
+                            report.genus(), model.genus, volume, crust.violated_votes);
             }
             catch (const std::exception& e)
             {
-                std::printf("| %s | %s | - | %zu | %s |\n", shape.name, sigma.c_str(), model.mesh.vertices.size(), e.what());
+                std::printf("| %s | %s | - | %zu | %s |\n", shape.name, sigma.c_str(), model.mesh.vertices.size(),
+                            e.what());
             }
             std::fflush(stdout);
         }

@@ -1,5 +1,6 @@
 // Topology of the noisy power crust on grids of models x noise, defaults only.
-// Usage: crust_grid <folder of models> <seed> [a|c|<model>...] [-s sigma,...] [-o output folder] [-t threads] [-d on|off] [--raw-mesh | --no-smooth | --no-simplify]
+// Usage: crust_grid <folder of models> <seed> [a|c|<model>...] [-s sigma,...] [-o output folder] [-t threads]
+//                   [-d on|off] [--raw-mesh | --no-smooth | --no-simplify]
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
 #include "models.h"
@@ -21,7 +22,9 @@ int main(int argc, char** argv)
 {
     if (argc < 3)
     {
-        std::fprintf(stderr, "usage: %s <folder> <seed> [a|c|<model>...] [-s 0,0.1,...] [-o folder] [-t threads] [-d on|off]\n", argv[0]);
+        std::fprintf(stderr,
+                     "usage: %s <folder> <seed> [a|c|<model>...] [-s 0,0.1,...] [-o folder] [-t threads] [-d on|off]\n",
+                     argv[0]);
         return 2;
     }
     const std::string folder = argv[1];
@@ -47,7 +50,9 @@ int main(int argc, char** argv)
         else if (word == "-d")
         {
             const std::string how = argv[++i];
-            options.denoise = how == "on" ? recon::Denoise::on : how == "off" ? recon::Denoise::off : recon::Denoise::automatic;
+            options.denoise = how == "on"    ? recon::Denoise::on
+                              : how == "off" ? recon::Denoise::off
+                                             : recon::Denoise::automatic;
         }
         else if (word == "--raw-mesh")
             options.smooth = options.simplify = false;
@@ -65,8 +70,8 @@ int main(int argc, char** argv)
 
     int right = 0, cells = 0;
     double log_ratio = 0;
-    std::printf("%-22s %5s %5s | %4s %5s %6s %5s | %6s %7s | %5s %s\n", "model", "sigma", "ok", "comp", "genus", "volume",
-                "viol", "x DT", "RMS e-6", "balls", "seconds per phase");
+    std::printf("%-22s %5s %5s | %4s %5s %6s %5s | %6s %7s | %5s %s\n", "model", "sigma", "ok", "comp", "genus",
+                "volume", "viol", "x DT", "RMS e-6", "balls", "seconds per phase");
     for (const std::string& name : models)
     {
         const Model model = load_model(folder + "/" + name + ".ply");
@@ -88,8 +93,10 @@ int main(int argc, char** argv)
                 log_ratio += std::log(ratio);
                 const auto distance = truth.summarise(crust.mesh.vertices);
                 std::printf("%-22s %5.2f %5s | %4d %2d/%-2d %6.3f %5.3f | %6.2f %7.0f | %5d", name.c_str(), sigma,
-                            ok ? "yes" : report.is_closed_oriented_manifold() ? "-" : "BAD", report.components,
-                            report.genus(), model.genus, volume, crust.violated_votes, ratio,
+                            ok                                     ? "yes"
+                            : report.is_closed_oriented_manifold() ? "-"
+                                                                   : "BAD",
+                            report.components, report.genus(), model.genus, volume, crust.violated_votes, ratio,
                             1e6 * distance.rms / model.diagonal, crust.balls_kept);
                 for (const auto& phase : crust.seconds)
                     std::printf(" %s %.2f", phase.first.c_str(), phase.second);
@@ -104,5 +111,6 @@ int main(int argc, char** argv)
             std::fflush(stdout);
         }
     }
-    std::printf("%d of %d right, geometric mean %.2f x Delaunay (CPU time)\n", right, cells, std::exp(log_ratio / cells));
+    std::printf("%d of %d right, geometric mean %.2f x Delaunay (CPU time)\n", right, cells,
+                std::exp(log_ratio / cells));
 }

@@ -17,7 +17,10 @@ using Triangle = Kernel::Triangle_3;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, std::vector<Triangle>::const_iterator>;
 using Aabb = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
-Kernel::Point_3 to_cgal(const recon::Point& p) { return {p.x(), p.y(), p.z()}; }
+Kernel::Point_3 to_cgal(const recon::Point& p)
+{
+    return {p.x(), p.y(), p.z()};
+}
 
 } // namespace
 
@@ -33,7 +36,8 @@ MeshDistance::MeshDistance(const recon::TriangleMesh& mesh) : tree_(std::make_un
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     {
         const auto& t = mesh.triangles[i];
-        const Triangle triangle(to_cgal(mesh.vertices[t[0]]), to_cgal(mesh.vertices[t[1]]), to_cgal(mesh.vertices[t[2]]));
+        const Triangle triangle(to_cgal(mesh.vertices[t[0]]), to_cgal(mesh.vertices[t[1]]),
+                                to_cgal(mesh.vertices[t[2]]));
         if (triangle.is_degenerate())
             continue;
         tree_->triangles.push_back(triangle);

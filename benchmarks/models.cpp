@@ -14,9 +14,9 @@
 namespace benchmarks
 {
 
-const std::vector<std::string> grid_a = {"bunny_closed", "armadillo_43k",    "igea",      "horse",
-                                         "rocker_arm",   "trim_star",        "block",     "elephant_refined",
-                                         "fertility",    "anchor_dense",     "maxplanck_closed_10k", "fandisk_large"};
+const std::vector<std::string> grid_a = {
+    "bunny_closed", "armadillo_43k",    "igea",      "horse",        "rocker_arm",           "trim_star",
+    "block",        "elephant_refined", "fertility", "anchor_dense", "maxplanck_closed_10k", "fandisk_large"};
 const std::vector<std::string> grid_b = {"bunny_closed", "armadillo_43k",    "igea",      "horse",
                                          "rocker_arm",   "elephant_refined", "fertility", "maxplanck_closed_10k"};
 const std::vector<std::string> grid_c = {"turbine", "casting",      "couplingdown",    "fandisk",
@@ -36,7 +36,8 @@ struct Element
     std::vector<Property> properties;
 };
 
-/// Closes each loop of boundary edges with a fan around its centroid, so that open models too have a genus and a volume.
+/// Closes each loop of boundary edges with a fan around its centroid, so that open models too have a genus and a
+/// volume.
 recon::TriangleMesh close_holes(const recon::TriangleMesh& mesh)
 {
     std::map<std::pair<int, int>, int> directed;
@@ -91,9 +92,10 @@ double read_value(std::istream& in, const std::string& type, bool ascii)
         in.read(reinterpret_cast<char*>(&value), sizeof value);
         return double(value);
     };
-    static const std::map<std::string, int> kinds = {
-        {"char", 0},  {"int8", 0},   {"uchar", 1},  {"uint8", 1}, {"short", 2}, {"int16", 2},   {"ushort", 3}, {"uint16", 3},
-        {"int", 4},   {"int32", 4},  {"uint", 5},   {"uint32", 5}, {"float", 6}, {"float32", 6}, {"double", 7}, {"float64", 7}};
+    static const std::map<std::string, int> kinds = {{"char", 0},  {"int8", 0},    {"uchar", 1},  {"uint8", 1},
+                                                     {"short", 2}, {"int16", 2},   {"ushort", 3}, {"uint16", 3},
+                                                     {"int", 4},   {"int32", 4},   {"uint", 5},   {"uint32", 5},
+                                                     {"float", 6}, {"float32", 6}, {"double", 7}, {"float64", 7}};
     switch (kinds.at(type))
     {
     case 0: return read(std::int8_t());

@@ -16,18 +16,19 @@ struct Model
     recon::TriangleMesh mesh;
     recon::Vectors normals; ///< Empty, or one per vertex.
     double diagonal = 0;
-    int genus = 0; ///< With every hole closed by a fan around its centroid; 0 for a point cloud.
+    int genus = 0;     ///< With every hole closed by a fan around its centroid; 0 for a point cloud.
     double volume = 0; ///< Likewise.
 };
 Model load_model(const std::string& path);
 void save_ply(const std::string& path, const recon::TriangleMesh& mesh);
 void save_ply(const std::string& path, const recon::Points& points, const recon::Vectors& normals = {});
 
-/// What the tables call right: one component of that genus, closed, manifold, outward, its volume within 3 % of the true
-/// one. \param volume over the true one.
+/// What the tables call right: one component of that genus, closed, manifold, outward, its volume within 3 % of the
+/// true one. \param volume over the true one.
 bool is_right(const checks::MeshReport& report, int genus, double volume);
 
-/// The cloud of one cell: each vertex plus 4 Gaussian copies at sigma = percent / 100 x diagonal; the vertices alone at 0.
+/// The cloud of one cell: each vertex plus 4 Gaussian copies at sigma = percent / 100 x diagonal; the vertices alone at
+/// 0.
 recon::Points noisy_cloud(const Model& model, double percent, unsigned seed);
 
 /// The points and a share of uniform ones in a box 10 % larger; these outliers come last.

@@ -37,9 +37,9 @@ enum class CellKind : std::uint8_t
 /// Unsigned normals of cells (README.md, step 4).
 struct CellNormals
 {
-    Vectors normals;          ///< Unit length.
-    Points feet;              ///< Of the means on the local plane.
-    std::vector<double> mass; ///< Weighted points found, relative to what a surface of that density has [1].
+    Vectors normals;             ///< Unit length.
+    Points feet;                 ///< Of the means on the local plane.
+    std::vector<double> mass;    ///< Weighted points found, relative to what a surface of that density has [1].
     std::vector<double> company; ///< Of that what other cells contribute [1].
     std::vector<CellKind> kinds;
     std::vector<double>
@@ -47,7 +47,6 @@ struct CellNormals
 };
 /// Where sparse parts lie beside dense ones, whose scales they have by their seed, their scales are replaced.
 /// \param search of the cells' means.
-CellNormals estimate_cell_normals(Cells& cells, const BlockSearch& search, int threads,
-                                  const Progress& progress = {});
+CellNormals estimate_cell_normals(Cells& cells, const BlockSearch& search, int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -65,11 +65,10 @@ plugin::ParameterTable<ProjectionFilterOptions> projection_table()
         .choice("normals", &Options::normals, {"estimate", "use the layer's"}, "Normals",
                 "estimate: no normals are needed. use the layer's: the normals of the layer that defines the surface "
                 "decide which side is outside.")
-        .choice(
-            "weights", &Options::weights, {"anchors with curvature", "paper's normalised I", "paper's plain N"},
-            "Weights",
-            "anchors with curvature: small quadrics fitted to the points. paper's normalised I, paper's plain N: "
-            "the functions of the paper over all points, with a much smaller domain of convergence for N.")
+        .choice("weights", &Options::weights, {"anchors with curvature", "paper's normalised I", "paper's plain N"},
+                "Weights",
+                "anchors with curvature: small quadrics fitted to the points. paper's normalised I, paper's plain N: "
+                "the functions of the paper over all points, with a much smaller domain of convergence for N.")
         .count("max_iterations", &Options::max_iterations, "Iterations",
                "Newton steps per point. 0: 6, or 30 for the paper's.")
         .number("tolerance", &Options::tolerance, "Tolerance",

@@ -26,13 +26,14 @@ struct AmlsReconstruction
     TriangleMesh mesh;
     std::vector<int> nearest_sample; ///< Per vertex: index of the nearest input point.
     AmlsSurfaceReport surface;
-    int samples = 0;             ///< Points that the mesh was made of: projected and thinned, or clean [count].
-    int outliers = 0;            ///< Points that the surface does not claim [count].
-    int vertices_on_surface = 0; ///< Vertices projected onto I = 0; the others close holes, or are clean points [count].
-    int components = 0;          ///< [count]
+    int samples = 0;  ///< Points that the mesh was made of: projected and thinned, or clean [count].
+    int outliers = 0; ///< Points that the surface does not claim [count].
+    int vertices_on_surface =
+        0;              ///< Vertices projected onto I = 0; the others close holes, or are clean points [count].
+    int components = 0; ///< [count]
     int euler_characteristic = 0;
-    int genus = 0;             ///< Summed over the components.
-    double violated_votes = 0; ///< Share of the samples' votes that the mesh contradicts [0..1].
+    int genus = 0;                     ///< Summed over the components.
+    double violated_votes = 0;         ///< Share of the samples' votes that the mesh contradicts [0..1].
     std::vector<std::string> warnings; ///< In words for the user.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };

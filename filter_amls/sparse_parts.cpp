@@ -16,7 +16,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr int most_asked = 128, around = 16, spanning = 8;
 constexpr double apart = 0.5;       // of the distance of the farther one: else a dense part would be all that is seen
 constexpr double near_sheet = 0.15; // of the distance, and
-constexpr double near_sigmas = 1; // of the noise
+constexpr double near_sigmas = 1;   // of the noise
 constexpr double least_sine = 0.3, least_bent_sine = 0.1; // of what spans a plane, a sphere
 constexpr double farthest_from_sheet = 0.25;              // of the distance at most
 /// Of 16. Points scattered through space reach either in one place of 50.

@@ -31,7 +31,7 @@ struct AmlsSurface::Data
     Points poles;                       ///< Of the landmarks.
     BlockSearch pole_search;
     std::vector<ResidualField> residuals; ///< One after the other; none if they tell nothing.
-    AmlsProjection projected; ///< The points, by default options; empty if residuals were not asked.
+    AmlsProjection projected;             ///< The points, by default options; empty if residuals were not asked.
     AmlsSurfaceReport report;
 
     /// Whether these are the points of which the surface was made, in the same order.

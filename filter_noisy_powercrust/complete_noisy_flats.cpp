@@ -196,7 +196,8 @@ private:
         return true;
     }
 
-    void append_wall(const FlatFace& face, const RimLoop& loop, const RimWall& wall, const Points& rims, bool ends_at_base)
+    void append_wall(const FlatFace& face, const RimLoop& loop, const RimWall& wall, const Points& rims,
+                     bool ends_at_base)
     {
         const Vector up = wall.side * face.normal;
         const double spacing = spacing_of(loop, rims);

@@ -267,8 +267,8 @@ private:
         result.noise_taken = noise_ / cloud.frame.scale();
         // A denoised cloud is sampled evenly. The crust of a clean one must go through the samples afterwards, see
         // share_poles(), and it does so where it is smoothed.
-        result.share_balls = result.share_balls &&
-                             (cloud.denoised || (options_.needs_surface && cloud.cleanness > well_sampled));
+        result.share_balls =
+            result.share_balls && (cloud.denoised || (options_.needs_surface && cloud.cleanness > well_sampled));
         return result;
     }
 

@@ -24,12 +24,14 @@ enum class MedialSide
 struct PowerShapeOptions
 {
     MedialSide side = MedialSide::inner;
-    double ball_threshold = 0;  ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
-    double object_angle = 75;   ///< Balls whose samples all lie within this angle seen from the centre are dropped [degrees], 0..180.
-    double redundancy = 0;      ///< Balls that a larger one covers up to this share of their radius are dropped, 0..1. 0 = keep all.
+    double ball_threshold = 0; ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
+    double object_angle =
+        75; ///< Balls whose samples all lie within this angle seen from the centre are dropped [degrees], 0..180.
+    double redundancy =
+        0; ///< Balls that a larger one covers up to this share of their radius are dropped, 0..1. 0 = keep all.
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
-    double noise = 0;           ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
-    int threads = 0;            ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
+    double noise = 0;                     ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
+    int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
 /// Medial axis of the shape that the points bound, as the power shape of its polar balls. Lengths are in input units.
@@ -44,20 +46,22 @@ struct PowerShape
 
     int points_used = 0;
     bool denoised = false;
-    double spacing = 0;        ///< Median local spacing of the samples [length].
-    double noise = 0;          ///< [length]
-    double union_volume = 0;   ///< Volume of the union of the inner balls [length^3]; 0 if only outer ones were asked for.
-    double union_area = 0;     ///< Its surface area [length^2].
-    double largest_radius = 0; ///< [length]
-    double violated_votes = 0; ///< As in NoisyPowerCrust [0..1].
+    double spacing = 0; ///< Median local spacing of the samples [length].
+    double noise = 0;   ///< [length]
+    double union_volume =
+        0;                 ///< Volume of the union of the inner balls [length^3]; 0 if only outer ones were asked for.
+    double union_area = 0; ///< Its surface area [length^2].
+    double largest_radius = 0;                           ///< [length]
+    double violated_votes = 0;                           ///< As in NoisyPowerCrust [0..1].
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };
 
-/// Approximates the medial axis by the power shape: the poles of one side and the simplices of the regular triangulation of
-/// the polar balls between them (Amenta, Choi and Kolluri 2001). Poles that noise makes go by the radius (Mederos et al. 2005,
-/// algorithm 4.1 step 3) and by the object angle: with an angle gamma it is the gamma-medial axis (definition 1).
-/// \throws InvalidInput for points that do not span a volume or are not finite, or an option out of range.
-/// \throws AlgorithmFailure if no ball is left. \throws Cancelled.
-PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& options = {}, const Progress& progress = {});
+/// Approximates the medial axis by the power shape: the poles of one side and the simplices of the regular
+/// triangulation of the polar balls between them (Amenta, Choi and Kolluri 2001). Poles that noise makes go by the
+/// radius (Mederos et al. 2005, algorithm 4.1 step 3) and by the object angle: with an angle gamma it is the
+/// gamma-medial axis (definition 1). \throws InvalidInput for points that do not span a volume or are not finite, or an
+/// option out of range. \throws AlgorithmFailure if no ball is left. \throws Cancelled.
+PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& options = {},
+                               const Progress& progress = {});
 
 } // namespace recon

@@ -15,34 +15,42 @@ plugin::ParameterTable<Options> table()
 {
     return plugin::ParameterTable<Options>()
         .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
-                "Polar balls smaller than this are dropped. It should lie above the noise and below the thinnest part of the "
+                "Polar balls smaller than this are dropped. It should lie above the noise and below the thinnest part "
+                "of the "
                 "shape. 0: chosen automatically and locally.")
         .length("noise", &Options::noise, "Noise",
-                "Standard deviation of the noise of the points. The local scale follows from it and from the spacing of the "
+                "Standard deviation of the noise of the points. The local scale follows from it and from the spacing "
+                "of the "
                 "points. 0: estimated from the points.")
         .number("deep_intersection", &Options::deep_intersection, "Deep intersection",
                 "Above 0: neighbouring balls whose intersection is deeper than this (0..1) are put on one side of the "
                 "surface, as in the paper. 0: intersections are weighed by the samples around them.")
-        .choice("keep_components", &Options::keep_components, {"largest", "all"}, "Keep components",
-                "Stray shells around outliers are dropped by keeping only the component that encloses the largest volume.")
+        .choice(
+            "keep_components", &Options::keep_components, {"largest", "all"}, "Keep components",
+            "Stray shells around outliers are dropped by keeping only the component that encloses the largest volume.")
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
-                "On: the points are projected onto a smooth surface (AMLS) and thinned before the crust is made; outliers are "
-                "left out. Off: the power crust of the points as they are. Automatic: on where the noise is not far below the "
+                "On: the points are projected onto a smooth surface (AMLS) and thinned before the crust is made; "
+                "outliers are "
+                "left out. Off: the power crust of the points as they are. Automatic: on where the noise is not far "
+                "below the "
                 "spacing of the points.")
         .flag("smooth", &Options::smooth, "Smooth",
-              "Vertices move to the points of a clean cloud, or onto the smooth surface of a noisy one; edges follow creases. "
+              "Vertices move to the points of a clean cloud, or onto the smooth surface of a noisy one; edges follow "
+              "creases. "
               "The topology stays.")
         .flag("simplify", &Options::simplify, "Simplify",
               "Collapse short edges, to about one vertex per point that the crust was made of. The topology stays.")
-        .length("trim_length", &Options::trim_length, "Trim",
-                "Drop triangles that are farther than this from every point: opens what was closed over holes of the scan. "
-                "0: keep the surface closed.")
+        .length(
+            "trim_length", &Options::trim_length, "Trim",
+            "Drop triangles that are farther than this from every point: opens what was closed over holes of the scan. "
+            "0: keep the surface closed.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
         .count("threads", &Options::threads, "Threads",
                "Number of threads, 0: one per core. The result does not depend on it.");
 }
 
-plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options& options, const recon::Progress& progress)
+plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options& options,
+                                 const recon::Progress& progress)
 {
     const std::vector<int> used = plugin::vertices_to_use(layer, options.selected_only);
     recon::NoisyPowerCrust crust =
@@ -91,12 +99,14 @@ plugin::ParameterTable<MedialAxisFilterOptions> medial_axis_table()
         .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
                 "Polar balls smaller than this are dropped. 0: chosen automatically and locally.")
         .number("object_angle", &Options::object_angle, "Object angle",
-                "Balls whose points all lie within this angle (degrees, seen from the ball's centre) are dropped: they come from "
+                "Balls whose points all lie within this angle (degrees, seen from the ball's centre) are dropped: they "
+                "come from "
                 "noise and small bumps. Raise it for a simpler medial axis.")
         .number("redundancy", &Options::redundancy, "Redundancy",
                 "Balls that a larger one covers up to this share of their radius (0..1) are dropped. 0: keep all.")
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
-                "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on where the noise is "
+                "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on where the "
+                "noise is "
                 "not far below the spacing of the points.")
         .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
@@ -112,11 +122,16 @@ plugin::FilterResult make_medial_axis(const plugin::InputLayer& layer, const Med
 
     plugin::FilterResult result;
     result.values = {
-        {"points_used", shape.points_used},   {"denoised", shape.denoised},
-        {"spacing", shape.spacing},           {"noise", shape.noise},
-        {"poles", int(shape.centres.size())}, {"triangles", int(shape.triangles.size())},
-        {"edges", int(shape.edges.size())},   {"union_volume", shape.union_volume},
-        {"union_area", shape.union_area},     {"largest_radius", shape.largest_radius},
+        {"points_used", shape.points_used},
+        {"denoised", shape.denoised},
+        {"spacing", shape.spacing},
+        {"noise", shape.noise},
+        {"poles", int(shape.centres.size())},
+        {"triangles", int(shape.triangles.size())},
+        {"edges", int(shape.edges.size())},
+        {"union_volume", shape.union_volume},
+        {"union_area", shape.union_area},
+        {"largest_radius", shape.largest_radius},
         {"violated_votes", shape.violated_votes},
     };
     plugin::append_seconds(result, shape.seconds);
@@ -141,9 +156,12 @@ plugin::PluginSpec plugin::describe_plugin()
     filter.name = "Surface Reconstruction: Noisy Power Crust";
     filter.python_name = "generate_surface_reconstruction_noisy_power_crust";
     filter.info =
-        "Makes a <b>closed surface</b> from points that are <b>noisy</b> and have <b>no normals</b>. The surface is the "
-        "boundary between the power cells of polar balls inside and outside of the shape; balls that the noise has made are "
-        "dropped, and the samples vote which of the others are inside. The result is a closed, outward oriented 2-manifold: "
+        "Makes a <b>closed surface</b> from points that are <b>noisy</b> and have <b>no normals</b>. The surface is "
+        "the "
+        "boundary between the power cells of polar balls inside and outside of the shape; balls that the noise has "
+        "made are "
+        "dropped, and the samples vote which of the others are inside. The result is a closed, outward oriented "
+        "2-manifold: "
         "holes of the scan are closed. The noise, the spacing and the smallest ball are estimated from the points.<br>"
         "Colour and quality are taken from the nearest point.<br><br>"
         "See:<br><i>B. Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br>"
@@ -157,11 +175,15 @@ plugin::PluginSpec plugin::describe_plugin()
     medial_axis.name = "Medial Axis: Power Shape";
     medial_axis.python_name = "generate_medial_axis_power_shape";
     medial_axis.info =
-        "Approximates the <b>medial axis</b> of the shape that the points bound: a layer whose vertices are the centres of polar "
-        "balls, with the balls' <b>radii</b> as vertex radius and quality, joined by the edges and triangles of their regular "
-        "triangulation. No normals are needed, and the points may be <b>noisy</b>. The volume of the union of the inner balls is "
+        "Approximates the <b>medial axis</b> of the shape that the points bound: a layer whose vertices are the "
+        "centres of polar "
+        "balls, with the balls' <b>radii</b> as vertex radius and quality, joined by the edges and triangles of their "
+        "regular "
+        "triangulation. No normals are needed, and the points may be <b>noisy</b>. The volume of the union of the "
+        "inner balls is "
         "among the results.<br><br>"
-        "See:<br><i>N. Amenta, S. Choi, R. K. Kolluri</i><br><b>\"The Power Crust\"</b><br>ACM Symposium on Solid Modeling and "
+        "See:<br><i>N. Amenta, S. Choi, R. K. Kolluri</i><br><b>\"The Power Crust\"</b><br>ACM Symposium on Solid "
+        "Modeling and "
         "Applications 2001.<br>"
         "<i>B. Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br><b>\"Surface Reconstruction from Noisy Point "
         "Clouds\"</b><br>Eurographics Symposium on Geometry Processing 2005.<br>";

@@ -139,7 +139,8 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     crust.threads = labelling.threads;
     TriangleMesh& mesh = result.mesh;
     DroppedBodies dropped;
-    mesh = make_crust(std::move(found.list_polygons(crust.threads)), labelled, crust, progress.part(0.75, 0.9, "crust"), &dropped);
+    mesh = make_crust(std::move(found.list_polygons(crust.threads)), labelled, crust, progress.part(0.75, 0.9, "crust"),
+                      &dropped);
     if (options.smooth && cloud.surface && !through_samples)
     {
         times.begin("smooth");

@@ -83,8 +83,8 @@ public:
     using Row = std::array<float, 8>;
 
     int count() const { return count_; }
-    /// Uses this memory, room for `capacity` children, until there are more. \pre The children so far, if any, are there
-    /// already; capacity is a multiple of lane_count.
+    /// Uses this memory, room for `capacity` children, until there are more. \pre The children so far, if any, are
+    /// there already; capacity is a multiple of lane_count.
     void use(float* rows, std::array<int, 3>* corners, int capacity)
     {
         rows_ = rows;

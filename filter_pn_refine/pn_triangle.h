@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-/// Curves and triangles through points with normals (Guennebaud, Barthe, Paulin 2005, section 3), as the paper has them.
-/// The filter computes the same many at a time (finish_kernel.h, ring_kernel.h, front_kernel.h); tests compare both.
+/// Curves and triangles through points with normals (Guennebaud, Barthe, Paulin 2005, section 3), as the paper has
+/// them. The filter computes the same many at a time (finish_kernel.h, ring_kernel.h, front_kernel.h); tests compare
+/// both.
 namespace recon
 {
 

@@ -62,12 +62,9 @@ Precision choose_precision(const PnRefineOptions& options)
         return Precision::fast;
     switch (options.neighbourhood)
     {
-    case PnNeighbourhood::fuzzy:
-        return Precision::fuzzy;
-    case PnNeighbourhood::accurate:
-        return Precision::accurate;
-    default:
-        return Precision::automatic;
+    case PnNeighbourhood::fuzzy: return Precision::fuzzy;
+    case PnNeighbourhood::accurate: return Precision::accurate;
+    default: return Precision::automatic;
     }
 }
 

@@ -140,8 +140,8 @@ private:
     std::atomic<bool> has_failed_{false};
 };
 
-/// First leaves of stretches of [0, n), and n: long ones first, so that threads seldom meet, short ones last, so that all
-/// end at the same time.
+/// First leaves of stretches of [0, n), and n: long ones first, so that threads seldom meet, short ones last, so that
+/// all end at the same time.
 std::vector<std::size_t> cut_into_stretches(std::size_t n, int threads)
 {
     constexpr std::size_t shortest = 16, longest = 1024; // the caller's thread may be cancelled after each
@@ -149,8 +149,7 @@ std::vector<std::size_t> cut_into_stretches(std::size_t n, int threads)
     while (cuts.back() < n)
     {
         const std::size_t left = n - cuts.back();
-        cuts.push_back(cuts.back() +
-                       std::min(left, std::clamp(left / (3 * std::size_t(threads)), shortest, longest)));
+        cuts.push_back(cuts.back() + std::min(left, std::clamp(left / (3 * std::size_t(threads)), shortest, longest)));
     }
     return cuts;
 }

@@ -88,7 +88,8 @@ double measure_volume(const recon::TriangleMesh& mesh)
 MeshReport examine_mesh(const recon::TriangleMesh& mesh)
 {
     MeshReport report;
-    report.finite = std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); });
+    report.finite =
+        std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); });
     const int vertex_count = int(mesh.vertices.size());
     std::vector<int> parent(vertex_count);
     std::iota(parent.begin(), parent.end(), 0);

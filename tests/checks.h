@@ -10,16 +10,16 @@ namespace checks
 /// What an independent look at a triangle mesh finds; shares no code with the algorithms.
 struct MeshReport
 {
-    bool closed = false;       ///< Every edge has exactly two triangles.
-    bool edge_manifold = false; ///< No edge has more than two triangles.
-    bool vertex_manifold = false; ///< The triangles around each vertex form one fan.
+    bool closed = false;                ///< Every edge has exactly two triangles.
+    bool edge_manifold = false;         ///< No edge has more than two triangles.
+    bool vertex_manifold = false;       ///< The triangles around each vertex form one fan.
     bool consistently_oriented = false; ///< The two triangles of an edge run through it in opposite directions.
-    bool finite = false;       ///< All vertices are finite.
-    int components = 0;        ///< By shared vertices; vertices without triangles do not count.
-    int euler_characteristic = 0; ///< V - E + F over all components.
+    bool finite = false;                ///< All vertices are finite.
+    int components = 0;                 ///< By shared vertices; vertices without triangles do not count.
+    int euler_characteristic = 0;       ///< V - E + F over all components.
     int unreferenced_vertices = 0;
     int degenerate_triangles = 0; ///< Two corners are one vertex.
-    double volume = 0;         ///< Signed; positive = outward.
+    double volume = 0;            ///< Signed; positive = outward.
 
     bool is_closed_oriented_manifold() const
     {

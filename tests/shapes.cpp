@@ -17,7 +17,10 @@ using recon::Vector;
 
 constexpr double pi = 3.14159265358979323846;
 
-double uniform(Random& random) { return double(random() >> 11) * 0x1p-53; }
+double uniform(Random& random)
+{
+    return double(random() >> 11) * 0x1p-53;
+}
 
 double gaussian(Random& random)
 {
@@ -116,7 +119,10 @@ OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t 
     return samples;
 }
 
-double distance_to_sphere(const Point& p, double radius) { return std::abs(p.norm() - radius); }
+double distance_to_sphere(const Point& p, double radius)
+{
+    return std::abs(p.norm() - radius);
+}
 
 double distance_to_torus(const Point& p, double major, double minor)
 {

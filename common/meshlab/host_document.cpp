@@ -88,12 +88,8 @@ RichParameterList rich_parameters(const FilterSpec& spec, const MeshDocument& do
             list.addParam(
                 RichLength(name, static_cast<Scalarm>(std::get<double>(p.default_value)), 0, diagonal, label, tooltip));
             break;
-        case ParameterKind::count:
-            list.addParam(RichInt(name, std::get<int>(p.default_value), label, tooltip));
-            break;
-        case ParameterKind::flag:
-            list.addParam(RichBool(name, std::get<bool>(p.default_value), label, tooltip));
-            break;
+        case ParameterKind::count: list.addParam(RichInt(name, std::get<int>(p.default_value), label, tooltip)); break;
+        case ParameterKind::flag: list.addParam(RichBool(name, std::get<bool>(p.default_value), label, tooltip)); break;
         case ParameterKind::text:
             list.addParam(
                 RichString(name, QString::fromStdString(std::get<std::string>(p.default_value)), label, tooltip));

@@ -49,8 +49,8 @@ double spread(const double* squared, int count)
 }
 
 /// Coarse spacing of the members that are not fine, 0 of the others.
-std::vector<double> measure_coarse(const SampleSpacing& spacing, const std::vector<char>& is_fine, const Points& samples,
-                                   const BlockSearch& search, int threads)
+std::vector<double> measure_coarse(const SampleSpacing& spacing, const std::vector<char>& is_fine,
+                                   const Points& samples, const BlockSearch& search, int threads)
 {
     constexpr int around = 9;
     const std::size_t m = spacing.subset.size();
@@ -64,7 +64,8 @@ std::vector<double> measure_coarse(const SampleSpacing& spacing, const std::vect
                  [&](std::size_t k)
                  {
                      double squared[around];
-                     found[k] = spacing.search.nearest(samples[spacing.subset[coarse[k]]], around, near[k].data(), squared);
+                     found[k] =
+                         spacing.search.nearest(samples[spacing.subset[coarse[k]]], around, near[k].data(), squared);
                  });
     std::vector<char> is_near(m, 0);
     for (std::size_t k = 0; k < coarse.size(); ++k)
@@ -79,7 +80,8 @@ std::vector<double> measure_coarse(const SampleSpacing& spacing, const std::vect
                      int indices[coarse_count + 1];
                      double squared[coarse_count + 1];
                      double reach = guess_reach(spacing, i, coarse_count);
-                     const int count = search.nearest(samples[spacing.subset[i]], coarse_count + 1, indices, squared, reach);
+                     const int count =
+                         search.nearest(samples[spacing.subset[i]], coarse_count + 1, indices, squared, reach);
                      raw[i] = spread(squared, count);
                  });
     parallel_for(coarse.size(), threads, {},
@@ -150,7 +152,8 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
                      const Vector second = delaunay.centres[cells[1]] - samples[v];
                      clean[i] = has_clean_poles(first, second, spacing.eighth[i]);
                  });
-    // Corners and small holes of a cloud that is clean all over are no noise; noisy parts of it have half of their neighbours flat.
+    // Corners and small holes of a cloud that is clean all over are no noise; noisy parts of it have half of their
+    // neighbours flat.
     const bool is_flat_cloud = std::accumulate(flat.begin(), flat.end(), 0.0) > flat_cloud * double(m);
     const double flat_limit = is_flat_cloud ? flat_above_in_flat_cloud : flat_above;
     constexpr int around = 24;
@@ -167,7 +170,8 @@ BallScale choose_scale(const SampleSpacing& spacing, const Points& samples, cons
                      int indices[around];
                      double squared[around];
                      double reach = guess_reach(spacing, i, around * samples_per_member);
-                     const int found = spacing.search.nearest(samples[spacing.subset[i]], around, indices, squared, reach);
+                     const int found =
+                         spacing.search.nearest(samples[spacing.subset[i]], around, indices, squared, reach);
                      double cleanness = 0, flatness = 0;
                      for (int j = 0; j < found; ++j)
                      {

@@ -52,8 +52,8 @@ public:
             vertices_.size(), options.threads, {},
             [&](std::size_t v)
             {
-                vertices_[v] = {mesh.vertices[v], scale[v], half_edges.outgoing[v], half_edges.degree[v], merged[v],
-                                !options.stays.empty() && options.stays[v]};
+                vertices_[v] = {mesh.vertices[v],     scale[v],  half_edges.outgoing[v],
+                                half_edges.degree[v], merged[v], !options.stays.empty() && options.stays[v]};
             },
             grain);
         parallel_for(

@@ -15,8 +15,8 @@ struct EdgeCollapseOptions
     double never_above = 1.0;  ///< Edges longer than this stay [scale].
     int target_vertices = 0;   ///< Between the two, until so many vertices are left [count].
     std::vector<char> stays;   ///< Per vertex: whether it stays where it is. Then all others go up to never_above,
-                             ///< whatever the target. Empty: none.
-    int threads = 1; ///< [count], >= 1. The result does not depend on it.
+                               ///< whatever the target. Empty: none.
+    int threads = 1;           ///< [count], >= 1. The result does not depend on it.
 };
 
 /// Collapses short edges of a closed oriented manifold, by rising limits of length, each to its heavier end (the one

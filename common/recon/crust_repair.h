@@ -13,7 +13,8 @@ constexpr double doubtful_below = 0.6;
 
 /// Turns over inner islands and outer voids that hold fewer balls than `share` of the largest inner component, with
 /// those that coincide and without. Hidden balls and the root are left alone. \param weight per ball how many it counts
-/// for with those that coincide with it: a coarse ball beside a fine one is none of either. `threads` >= 1 here and below. \returns the number of balls turned.
+/// for with those that coincide with it: a coarse ball beside a fine one is none of either. `threads` >= 1 here and
+/// below. \returns the number of balls turned.
 int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<int>& weight,
                    double share, std::vector<Side>& labels, int threads = 1);
 

@@ -8,8 +8,8 @@
 namespace recon
 {
 
-/// Disjoint sets of 0..size - 1 (union-find with path halving). The representative of a set is its lowest member, so results do
-/// not depend on the order of joining, and many threads may join and find at once (Anderson and Woll 1991).
+/// Disjoint sets of 0..size - 1 (union-find with path halving). The representative of a set is its lowest member, so
+/// results do not depend on the order of joining, and many threads may join and find at once (Anderson and Woll 1991).
 class DisjointSets
 {
 public:

@@ -26,7 +26,8 @@ struct TriangleMesh
 {
     Points vertices;
     std::vector<std::array<int, 3>> triangles;
-    /// Per triangle, bit e set: its edge from corner e to corner (e + 1) % 3 is a diagonal inside a polygon. Empty: none.
+    /// Per triangle, bit e set: its edge from corner e to corner (e + 1) % 3 is a diagonal inside a polygon. Empty:
+    /// none.
     std::vector<std::uint8_t> faux_edges;
 };
 

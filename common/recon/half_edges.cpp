@@ -73,7 +73,8 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
                                         twin = other.half_edge;
                                 }
                                 result.twin[own.half_edge >> 2][own.half_edge & 3] = twin;
-                                if (along != 1 || back != 1 || own.upper == int(v) || degree[v] < 3 || degree[own.upper] < 3)
+                                if (along != 1 || back != 1 || own.upper == int(v) || degree[v] < 3 ||
+                                    degree[own.upper] < 3)
                                     faulty[begin / grain].push_back(own.half_edge >> 2);
                             }
                     });

@@ -80,8 +80,7 @@ private:
     {
         int moved = 0;
         for (int v = 0; v < int(seats_.size()); ++v)
-            if (const int sample = seats_[v];
-                sample >= 0 && !is_vertex_[sample] && is_near(v, samples_[sample]))
+            if (const int sample = seats_[v]; sample >= 0 && !is_vertex_[sample] && is_near(v, samples_[sample]))
             {
                 is_vertex_[sample] = mesh_.move(v, samples_[sample]);
                 // Half the way may do, and edges flip before the other half.

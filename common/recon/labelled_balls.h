@@ -16,11 +16,12 @@ namespace recon
 /// Options of label_polar_balls(). Lengths are in the unit frame.
 struct BallLabellingOptions
 {
-    double ball_threshold = 0;    ///< Smallest polar ball kept [unit length], >= 0. 0 = by the local scale.
-    double noise = 0;             ///< Standard deviation of the noise, if known [unit length], >= 0.
-    double noise_taken = 0;       ///< Standard deviation of the noise that samples with normals had [unit length], >= 0. 0 = not known.
+    double ball_threshold = 0; ///< Smallest polar ball kept [unit length], >= 0. 0 = by the local scale.
+    double noise = 0;          ///< Standard deviation of the noise, if known [unit length], >= 0.
+    double noise_taken =
+        0; ///< Standard deviation of the noise that samples with normals had [unit length], >= 0. 0 = not known.
     double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
-    bool fine = false;            ///< Nothing is noise: balls stay by the spacing alone, however thin the wall around them.
+    bool fine = false; ///< Nothing is noise: balls stay by the spacing alone, however thin the wall around them.
     /// Samples may share polar balls as long as the labels contradict next to none of their votes, see share_poles().
     bool share_balls = false;
     /// Balls that are outer, as numbered by an earlier run on the same samples with all else equal, in which none were
@@ -29,15 +30,15 @@ struct BallLabellingOptions
     int threads = 1;
 };
 
-/// Above this share of violated votes the outside floods the surface, which then misses nothing and has handles by the hundred. Right
-/// results had up to 0.07, floods 0.2 to 0.9.
+/// Above this share of violated votes the outside floods the surface, which then misses nothing and has handles by the
+/// hundred. Right results had up to 0.07, floods 0.2 to 0.9.
 constexpr double flooded_above = 0.15;
 
 /// Polar balls of a cloud, told inner from outer: what the crust and the medial axis are made of.
 struct LabelledBalls
 {
     PolarBalls kept;
-    PowerDiagram diagram; ///< Of the kept balls less the doubtful ones that were dropped.
+    PowerDiagram diagram;  ///< Of the kept balls less the doubtful ones that were dropped.
     Triangulation regular; ///< diagram.triangulation()
     std::vector<Side> labels;
     std::vector<double> scale; ///< Per ball: local scale of the samples it touches [unit length].
@@ -48,12 +49,11 @@ struct LabelledBalls
 };
 
 /// Algorithm 4.1 of Mederos et al. (2005), steps 1 to 5, with a local threshold and a global labelling: Delaunay
-/// triangulation, polar balls above the local scale, power diagram, labels from the balls' attraction, the samples' votes and,
-/// where given, the samples' outward normals; then doubtful balls dropped, islands absorbed, doubtful and short handles removed.
-/// Where the labels contradict a large part of the votes, votes and normals weigh more and labels are found again.
-/// \param samples distinct, spanning a volume, of unit scale, best in spatial order. \param normals empty, or one per sample
-/// of a cloud that is already free of noise.
-/// \throws Cancelled.
+/// triangulation, polar balls above the local scale, power diagram, labels from the balls' attraction, the samples'
+/// votes and, where given, the samples' outward normals; then doubtful balls dropped, islands absorbed, doubtful and
+/// short handles removed. Where the labels contradict a large part of the votes, votes and normals weigh more and
+/// labels are found again. \param samples distinct, spanning a volume, of unit scale, best in spatial order. \param
+/// normals empty, or one per sample of a cloud that is already free of noise. \throws Cancelled.
 LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options,
                                 PhaseTimes& times, const Progress& progress = {});
 

@@ -36,7 +36,8 @@ double measure_missed_points(const Points& points, const TriangleMesh& mesh, con
     Triangles triangles;
     for (const auto& t : mesh.triangles)
     {
-        triangles.emplace_back(to_cgal(mesh.vertices[t[0]]), to_cgal(mesh.vertices[t[1]]), to_cgal(mesh.vertices[t[2]]));
+        triangles.emplace_back(to_cgal(mesh.vertices[t[0]]), to_cgal(mesh.vertices[t[1]]),
+                               to_cgal(mesh.vertices[t[2]]));
         if (triangles.back().is_degenerate())
             triangles.pop_back();
     }

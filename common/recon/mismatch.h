@@ -9,18 +9,21 @@ namespace recon
 /// How far a surface and the points that it is to be of part, whatever the labels that made it say.
 struct Mismatch
 {
-    double missed_points = 0; ///< Share of points farther from the surface than their spacing [0..1]: lost limbs, buried walls.
-    double bare_area = 0;     ///< Share of the area farther than two spacings from any point [0..1]: closed gaps, bulges.
+    double missed_points =
+        0; ///< Share of points farther from the surface than their spacing [0..1]: lost limbs, buried walls.
+    double bare_area = 0; ///< Share of the area farther than two spacings from any point [0..1]: closed gaps, bulges.
     double sum() const { return missed_points + bare_area; }
 };
 
-/// Of at most 20,000 of the points and at most 4,000 places on the mesh. Spacing: mean distance of the six nearest others. A mesh without triangles
-/// misses all points. \param threads >= 1. \throws Cancelled.
-Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads = 1, const Progress& progress = {});
+/// Of at most 20,000 of the points and at most 4,000 places on the mesh. Spacing: mean distance of the six nearest
+/// others. A mesh without triangles misses all points. \param threads >= 1. \throws Cancelled.
+Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads = 1,
+                          const Progress& progress = {});
 
 /// Each alone; the area takes a fifth of the time. \throws Cancelled.
 double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads = 1,
                              const Progress& progress = {});
-double measure_bare_area(const Points& points, const TriangleMesh& mesh, int threads = 1, const Progress& progress = {});
+double measure_bare_area(const Points& points, const TriangleMesh& mesh, int threads = 1,
+                         const Progress& progress = {});
 
 } // namespace recon

@@ -18,7 +18,8 @@ public:
     NeighbourSearch& operator=(NeighbourSearch&&) noexcept;
 
     /// Writes the min(k, size) nearest points to `indices` and their squared distances to `squared`, nearest first.
-    /// Both arrays hold at least k entries. A query that is one of the points finds itself. \returns how many there are.
+    /// Both arrays hold at least k entries. A query that is one of the points finds itself. \returns how many there
+    /// are.
     int nearest(const Point& query, int k, int* indices, double* squared) const;
 
     /// Index of the nearest point, -1 if there are none.

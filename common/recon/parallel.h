@@ -12,11 +12,11 @@ namespace recon
 /// \throws InvalidInput below 0.
 int resolve_threads(int threads);
 
-/// Calls body(begin, end) for consecutive chunks of [0, n) of `grain` items (the last may be shorter), on up to `threads`
-/// threads, the caller's among them. Chunks do not depend on the number of threads, so a body that writes only what
-/// belongs to its items, or one partial sum per chunk, gives the same bits for any number. `progress` is reported on the
-/// caller's thread only.
-/// \throws what the body throws (of several, that of the lowest chunk among those run), Cancelled.
+/// Calls body(begin, end) for consecutive chunks of [0, n) of `grain` items (the last may be shorter), on up to
+/// `threads` threads, the caller's among them. Chunks do not depend on the number of threads, so a body that writes
+/// only what belongs to its items, or one partial sum per chunk, gives the same bits for any number. `progress` is
+/// reported on the caller's thread only. \throws what the body throws (of several, that of the lowest chunk among those
+/// run), Cancelled.
 void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progress& progress,
                      const std::function<void(std::size_t begin, std::size_t end)>& body);
 
@@ -49,8 +49,8 @@ inline int fetch_add(int& sum, int value)
     return __atomic_fetch_add(&sum, value, __ATOMIC_RELAXED);
 }
 
-/// Runs `first` on the caller's thread and, with more than one thread, `second` beside it; otherwise one after the other.
-/// \throws what `first` throws, else what `second` throws, after both have ended.
+/// Runs `first` on the caller's thread and, with more than one thread, `second` beside it; otherwise one after the
+/// other. \throws what `first` throws, else what `second` throws, after both have ended.
 void parallel_invoke(int threads, const std::function<void()>& first, const std::function<void()>& second);
 
 } // namespace recon

@@ -34,10 +34,10 @@ Poles find_poles_along_normals(const Triangulation& delaunay, const Points& samp
 /// of bare flats, a cell reaches past its ring to both sides, and the pole alone leaves one of them without a ball.
 void find_slant_poles(const Triangulation& delaunay, const Points& samples, Poles& poles, int threads = 1);
 
-/// Lets samples share poles: up to four take the one Voronoi vertex that their cells have in common, if for each of them
-/// it is at least 0.7 times as far as its own pole and within 18 degrees of it. Four of ten polar balls are left, and every
-/// sample is touched from as many sides as before; but the crust is a little coarser, for one that goes through the
-/// samples afterwards. Samples with slant poles keep their own.
+/// Lets samples share poles: up to four take the one Voronoi vertex that their cells have in common, if for each of
+/// them it is at least 0.7 times as far as its own pole and within 18 degrees of it. Four of ten polar balls are left,
+/// and every sample is touched from as many sides as before; but the crust is a little coarser, for one that goes
+/// through the samples afterwards. Samples with slant poles keep their own.
 void share_poles(const Triangulation& delaunay, const Points& samples, Poles& poles, int threads = 1);
 
 /// Polar balls that were kept. Many samples share one ball.

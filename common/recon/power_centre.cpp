@@ -10,8 +10,8 @@ namespace recon
 namespace
 {
 
-/// Offset of the power centre from the first point by Cramer's rule, in numbers of type Number. \returns the determinant of
-/// the edges; if it is 0, `offset` is not set.
+/// Offset of the power centre from the first point by Cramer's rule, in numbers of type Number. \returns the
+/// determinant of the edges; if it is 0, `offset` is not set.
 template <class Number>
 Number solve(const std::array<Point, 4>& points, const std::array<double, 4>& weights, Number (&offset)[3])
 {

@@ -106,14 +106,14 @@ private:
     bool is_in_conflict(const Cell& c, int site) const;
     bool is_in_perturbed_conflict(const Cell& c, int site) const;
 
-    std::vector<Site> sites_;    ///< Along the curve.
-    std::vector<int> indices_;   ///< Of the sites, in the points.
+    std::vector<Site> sites_;  ///< Along the curve.
+    std::vector<int> indices_; ///< Of the sites, in the points.
     std::unique_ptr<Cell[]> cells_;
     std::vector<int> marks_; ///< Per cell: 1 + its position among the conflicts, -1 if tested and not one, else 0.
     std::unique_ptr<std::atomic<std::uint8_t>[]> owners_; ///< Per cell.
     int used_ = 0;                                        ///< Cells handed out so far, dead ones among them.
-    std::atomic<int> next_slab_{0};                       ///< First cell that belongs to no worker yet, while there are several.
-    Worker serial_;                                       ///< For when there is one thread.
+    std::atomic<int> next_slab_{0}; ///< First cell that belongs to no worker yet, while there are several.
+    Worker serial_;                 ///< For when there is one thread.
 };
 
 } // namespace recon

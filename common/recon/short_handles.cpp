@@ -47,7 +47,8 @@ std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVe
         return candidates;
     for (const int i : candidates)
         labels[i] = opposite(side);
-    DisjointSets components = join_neighbours(regular, labels.size(), 1, [&](int v) { return labels[v] == side ? 0 : -1; });
+    DisjointSets components =
+        join_neighbours(regular, labels.size(), 1, [&](int v) { return labels[v] == side ? 0 : -1; });
 
     std::priority_queue<std::pair<double, int>> queue; // highest margin, then lowest index
     std::vector<char> is_queued(std::size_t(n), 0);
@@ -419,8 +420,9 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
                 carried += 24 * std::pow(balls[b].radius / scale[b], 2);
             }
             const double against = evidence.of(set, labels);
-            double longest = against * options.longest_ring > options.largest_support ? options.largest_support / against
-                                                                                     : options.longest_ring;
+            double longest = against * options.longest_ring > options.largest_support
+                                 ? options.largest_support / against
+                                 : options.longest_ring;
             if (against < options.least_share * carried)
                 longest = std::numeric_limits<double>::max();
             const double length = rings.measure(set, labels, longest * mean_scale);

@@ -16,11 +16,11 @@ struct ShortHandleOptions
     /// A handle goes if the evidence for the balls that close it times its ring is below this [samples x local scales].
     double largest_support = 220;
     double longest_ring = 40; ///< Whatever its support, no longer one goes [local scales].
-    /// Unless the evidence is below this share of the samples that spheres as large as its balls would carry [0..1]: where an open
-    /// scan is closed, large balls meet at its rim, and hardly a sample speaks for what hangs there.
+    /// Unless the evidence is below this share of the samples that spheres as large as its balls would carry [0..1]:
+    /// where an open scan is closed, large balls meet at its rim, and hardly a sample speaks for what hangs there.
     double least_share = 0.0015;
-    int rounds = 3;           ///< Handles may hide one another [count].
-    int threads = 1;          ///< [count], >= 1. The result does not depend on it.
+    int rounds = 3;  ///< Handles may hide one another [count].
+    int threads = 1; ///< [count], >= 1. The result does not depend on it.
 };
 
 /// Removes handles that are short and little supported. Each side grows from its certain balls, the least doubtful

@@ -143,7 +143,8 @@ struct Rows
     std::vector<int> first;
     std::vector<Entry> entries;
 
-    Rows(const SignedGraph& graph, int threads) : first(std::size_t(graph.nodes) + 1, 0), entries(2 * graph.edges.size())
+    Rows(const SignedGraph& graph, int threads)
+        : first(std::size_t(graph.nodes) + 1, 0), entries(2 * graph.edges.size())
     {
         // Each thread reads all edges and keeps what belongs to its nodes.
         const auto for_all = [&](auto&& call)
@@ -176,7 +177,8 @@ struct Rows
     }
 };
 
-/// Joins the roots, and the pairs that are merged whatever the edges say. `root` becomes one of the roots, -1 if there is none.
+/// Joins the roots, and the pairs that are merged whatever the edges say. `root` becomes one of the roots, -1 if there
+/// is none.
 ParityForest join_certain(const SignedGraph& graph, int& root)
 {
     ParityForest forest(graph.nodes);

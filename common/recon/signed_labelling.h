@@ -18,7 +18,10 @@ enum class Side : signed char
     inner = 0,
     outer = 1
 };
-inline Side opposite(Side side) { return side == Side::inner ? Side::outer : Side::inner; }
+inline Side opposite(Side side)
+{
+    return side == Side::inner ? Side::outer : Side::inner;
+}
 
 /// Inside/outside as a two-colouring of a graph of attractions and repulsions.
 struct SignedGraph
@@ -29,18 +32,19 @@ struct SignedGraph
     std::vector<char> is_root;              ///< Per node: outer, whatever the edges say.
 };
 
-/// Labels by greedy additive contraction with parity: the edge of largest |weight| is contracted first, a negative one turning
-/// the absorbed cluster over; parallel edges add up. What no chain of edges ties to the root is inner. Then single nodes
-/// change sides while that lowers the violated weight.
+/// Labels by greedy additive contraction with parity: the edge of largest |weight| is contracted first, a negative one
+/// turning the absorbed cluster over; parallel edges add up. What no chain of edges ties to the root is inner. Then
+/// single nodes change sides while that lowers the violated weight.
 std::vector<Side> label_by_contraction(const SignedGraph& graph);
 
-/// Labels by the signs of the least-squares potential: 1 at the root, equal across attractions, opposite across repulsions
-/// (signed Laplacian, conjugate gradients). Sees the whole balance at once, where contraction decides the heaviest edge
-/// first: a large hole is a few heavy attractions against thousands of light votes. Then single nodes change sides.
+/// Labels by the signs of the least-squares potential: 1 at the root, equal across attractions, opposite across
+/// repulsions (signed Laplacian, conjugate gradients). Sees the whole balance at once, where contraction decides the
+/// heaviest edge first: a large hole is a few heavy attractions against thousands of light votes. Then single nodes
+/// change sides.
 std::vector<Side> label_by_potential(const SignedGraph& graph);
 
-/// The labels with less contradicted weight of those from contraction and from the potential. `threads` >= 1 here and below; the
-/// result does not depend on it.
+/// The labels with less contradicted weight of those from contraction and from the potential. `threads` >= 1 here and
+/// below; the result does not depend on it.
 std::vector<Side> label_by_best(const SignedGraph& graph, int threads = 1);
 
 /// Changes sides of single nodes (never the root) while that lowers the violated weight.

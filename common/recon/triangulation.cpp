@@ -7,8 +7,8 @@ namespace recon
 namespace
 {
 
-/// For the directed edge i -> j of a positively oriented cell: the position of the vertex across whose facet the next cell
-/// around the edge lies, counter-clockwise seen from j.
+/// For the directed edge i -> j of a positively oriented cell: the position of the vertex across whose facet the next
+/// cell around the edge lies, counter-clockwise seen from j.
 constexpr int next_around_edge[4][4] = {{5, 2, 3, 1}, {3, 5, 0, 2}, {1, 3, 5, 0}, {2, 0, 1, 5}};
 
 /// The next cell after `cell` around the edge from vertex a to vertex b.

@@ -36,13 +36,14 @@ struct Triangulation
     /// Positively oriented: vertex 3 sees 0, 1, 2 counter-clockwise from outside the cell. Finite cells come first.
     std::vector<Cell> cells;
     int finite_cells = 0;
-    /// Per finite cell the point of equal power to its vertices (Delaunay: its circumcentre): a vertex of the Voronoi or
-    /// power diagram.
+    /// Per finite cell the point of equal power to its vertices (Delaunay: its circumcentre): a vertex of the Voronoi
+    /// or power diagram.
     Points centres;
 
     bool is_finite(int cell) const { return cell < finite_cells; }
 
-    /// False if a cell beside `cell` in the ring around the edge of its vertices at positions i and j is infinite or of lower index.
+    /// False if a cell beside `cell` in the ring around the edge of its vertices at positions i and j is infinite or of
+    /// lower index.
     bool can_be_lowest(int cell, int i, int j) const
     {
         const auto& neighbours = cells[cell].neighbours;
@@ -61,7 +62,8 @@ struct Triangulation
 /// Per point whether it is a vertex: in a power diagram some balls are hidden.
 std::vector<char> mark_vertices(const Triangulation& triangulation, int point_count);
 
-/// For each vertex the finite and infinite cells at it, as compressed rows: cells of v are cell[first[v]..first[v + 1]).
+/// For each vertex the finite and infinite cells at it, as compressed rows: cells of v are cell[first[v]..first[v +
+/// 1]).
 struct CellsAtVertices
 {
     std::vector<int> first;

@@ -188,7 +188,8 @@ TEST(FitAnchors, DoubtFitsOfTooFewPoints)
         few.normals.push_back(Vector::UnitZ());
     }
     const Cloud cloud(few);
-    const FitStart start{Point(0.2, 0.2, 0.1), Vector::UnitZ(), 2, 0.1}, nowhere{Point(50, 0, 0), Vector::UnitX(), 2, 1};
+    const FitStart start{Point(0.2, 0.2, 0.1), Vector::UnitZ(), 2, 0.1},
+        nowhere{Point(50, 0, 0), Vector::UnitX(), 2, 1};
     const std::vector<Anchor> anchors = cloud.fit({start, nowhere});
     EXPECT_LE(anchors[0].confidence, 3);
     EXPECT_TRUE(anchors[0].position.allFinite());

@@ -55,7 +55,8 @@ TEST(ResidualField, FewGoodSamplesDecide)
 
 TEST(ResidualField, APassAfterTheOtherTellsMoreThanOne)
 {
-    const Points noisy = shapes::with_noisy_copies(shapes::ellipsoid(12000, Vector(1, 0.7, 0.4), 9).points, 0.03, 4, 10);
+    const Points noisy =
+        shapes::with_noisy_copies(shapes::ellipsoid(12000, Vector(1, 0.7, 0.4), 9).points, 0.03, 4, 10);
     const AmlsSurface surface = build_amls_surface(noisy);
     const AmlsSurface::Data& data = surface.data();
     ASSERT_EQ(data.residuals.size(), 2u);

@@ -106,8 +106,9 @@ TEST(AmlsSurface, ErrorFallsAsDensityRises)
         for (unsigned seed : {10u, 11u, 12u})
         {
             const Points noisy = shapes::with_noise(shapes::sphere(n, 1, 9).points, 0.01, seed);
-            error +=
-                shapes::rms(project_all(noisy).points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / 3;
+            error += shapes::rms(project_all(noisy).points,
+                                 [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) /
+                     3;
         }
         EXPECT_LT(error, 0.85 * previous) << n;
         previous = error;

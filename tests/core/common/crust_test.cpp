@@ -69,7 +69,8 @@ TEST(LabelPolarBalls, SharesBallsOnlyWhereTheSamplesAgree)
 {
     BallLabellingOptions sharing;
     sharing.share_balls = true;
-    const auto count_balls = [&](const Points& samples, const BallLabellingOptions& options, int genus, const Vectors& normals = {})
+    const auto count_balls =
+        [&](const Points& samples, const BallLabellingOptions& options, int genus, const Vectors& normals = {})
     {
         PhaseTimes times;
         const LabelledBalls labelled = label_polar_balls(samples, normals, options, times);

@@ -31,7 +31,8 @@ TEST(MeasureMismatch, CountsThePointsAndTheAreaOfWhatOnlyOneOfThemHas)
         if (p.z() > 0)
             upper.push_back(p);
 
-    const Mismatch none = measure_mismatch(points, whole), missed = measure_mismatch(points, half), bare = measure_mismatch(upper, whole);
+    const Mismatch none = measure_mismatch(points, whole), missed = measure_mismatch(points, half),
+                   bare = measure_mismatch(upper, whole);
     EXPECT_LT(none.sum(), 0.01);
     EXPECT_NEAR(missed.missed_points, 0.5, 0.08);
     EXPECT_LT(missed.bare_area, 0.01);

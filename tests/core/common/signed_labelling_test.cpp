@@ -80,8 +80,8 @@ TEST(SignedLabelling, ComesCloseToTheLowestEnergyOfSmallGraphs)
 
 TEST(SignedLabelling, PotentialClosesAHoleThatContractionFallsInto)
 {
-    // Outside 0 and inside 1 are joined by one heavy attraction (a hole), and kept apart by many light votes between their own
-    // small satellites.
+    // Outside 0 and inside 1 are joined by one heavy attraction (a hole), and kept apart by many light votes between
+    // their own small satellites.
     SignedGraph graph;
     graph.nodes = 202;
     graph.is_root.assign(graph.nodes, 0);

@@ -16,7 +16,10 @@ using namespace recon;
 namespace
 {
 
-double power(const Point& x, const Ball& ball) { return (x - ball.centre).squaredNorm() - ball.radius * ball.radius; }
+double power(const Point& x, const Ball& ball)
+{
+    return (x - ball.centre).squaredNorm() - ball.radius * ball.radius;
+}
 
 std::vector<Ball> random_balls(int n)
 {
@@ -83,10 +86,12 @@ TEST(PowerDiagram, CentresHaveTheLeastPowerToTheirOwnBalls)
         inside.erase(v);
     ASSERT_GT(inside.size(), 12u);
     const std::vector<int> deep(inside.begin(), inside.end());
-    // None; few, in a triangulation that is mended, also for a second time; on the hull; more, after which it is made anew.
+    // None; few, in a triangulation that is mended, also for a second time; on the hull; more, after which it is made
+    // anew.
     for (const std::vector<int>& removed :
-         {std::vector<int>{}, std::vector<int>(deep.begin(), deep.begin() + 4), std::vector<int>(deep.begin() + 4, deep.begin() + 6),
-          std::vector<int>{*hull.rbegin()}, std::vector<int>(deep.begin() + 6, deep.begin() + 13)})
+         {std::vector<int>{}, std::vector<int>(deep.begin(), deep.begin() + 4),
+          std::vector<int>(deep.begin() + 4, deep.begin() + 6), std::vector<int>{*hull.rbegin()},
+          std::vector<int>(deep.begin() + 6, deep.begin() + 13)})
     {
         diagram.remove(removed, t);
         for (const int b : removed)
@@ -129,7 +134,8 @@ TEST(FindPowerCentre, IsRightOnCellsTooFlatForDouble)
         EXPECT_LT(longest - shortest, 1e-8 * longest) << height;
     }
     // Weights move the centre along the axis by a known amount: |x|^2 - 1 = |x - p|^2.
-    const Point moved = find_power_centre({Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)}, {0.5, 0, 0, 0});
+    const Point moved =
+        find_power_centre({Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)}, {0.5, 0, 0, 0});
     EXPECT_LT((moved - Point::Constant(0.75)).norm(), 1e-14);
 }
 

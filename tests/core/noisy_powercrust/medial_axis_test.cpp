@@ -35,7 +35,8 @@ Points sample(const PowerShape& shape)
 }
 
 /// Larger of: farthest sample of the shape from the true axis, farthest sample of the true axis from the shape's.
-double hausdorff(const PowerShape& shape, const std::function<double(const Point&)>& distance_to_axis, const Points& on_axis)
+double hausdorff(const PowerShape& shape, const std::function<double(const Point&)>& distance_to_axis,
+                 const Points& on_axis)
 {
     double worst = 0;
     const Points samples = sample(shape);
@@ -208,7 +209,8 @@ TEST(PowerShape, SidesAndPruningDoWhatTheySay)
 TEST(PowerShape, RefusesOptionsOutOfRange)
 {
     const Points points = shapes::sphere(200, 1, 1).points;
-    for (const auto& spoil : std::vector<std::function<void(PowerShapeOptions&)>>{
+    for (const auto& spoil :
+         std::vector<std::function<void(PowerShapeOptions&)>>{
              [](auto& o) { o.object_angle = 181; }, [](auto& o) { o.redundancy = -0.1; }, [](auto& o) { o.noise = -1; },
              [](auto& o) { o.ball_threshold = NAN; }, [](auto& o) { o.threads = -1; }})
     {

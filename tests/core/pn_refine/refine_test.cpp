@@ -74,7 +74,8 @@ TEST(RefinePoints, SphereBecomesDenseExactAndEven)
         EXPECT_GT(double(all.size()), 3500 * std::pow(1.75, steps));
     }
     const PnRefinement refined = refine_points(samples, one_thread(6));
-    EXPECT_LT(shapes::rms(refined.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / diagonal, 1e-6);
+    EXPECT_LT(shapes::rms(refined.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }) / diagonal,
+              1e-6);
     double sum = 0;
     for (std::size_t i = 0; i < refined.points.size(); ++i)
     {
@@ -96,12 +97,13 @@ TEST(RefinePoints, SamplesAroundTellMoreThanThreeCorners)
         {
             PnRefineOptions options = one_thread(2);
             options.fast = fast;
-            error[fast] += shapes::rms(refine_points(samples, options).points,
-                               [&](const Point& p)
-                               {
-                                   const Vector scaled = p.cwiseQuotient(half_axes);
-                                   return (scaled.norm() - 1) * scaled.norm() / scaled.cwiseQuotient(half_axes).norm();
-                               });
+            error[fast] +=
+                shapes::rms(refine_points(samples, options).points,
+                            [&](const Point& p)
+                            {
+                                const Vector scaled = p.cwiseQuotient(half_axes);
+                                return (scaled.norm() - 1) * scaled.norm() / scaled.cwiseQuotient(half_axes).norm();
+                            });
         }
     }
     EXPECT_LT(error[0], 0.6 * error[1]);
@@ -262,7 +264,8 @@ TEST(RefinePoints, FarFromTheOriginAndAtExtremeScalesTheResultIsTheSame)
         p += offset;
     const PnRefinement other = refine_points(moved, one_thread(2));
     EXPECT_NEAR(double(other.points.size()), double(plain.points.size()), 0.02 * double(plain.points.size()));
-    EXPECT_LT(shapes::rms(other.points, [&](const Point& p) { return shapes::distance_to_sphere(p - offset, 1); }), 1e-3);
+    EXPECT_LT(shapes::rms(other.points, [&](const Point& p) { return shapes::distance_to_sphere(p - offset, 1); }),
+              1e-3);
 }
 
 TEST(RefinePoints, ParentsAreEarlierAndNear)
