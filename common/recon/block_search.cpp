@@ -47,18 +47,6 @@ RECON_INLINE void measure_points(const BlockSearch::Leaf& leaf, const double* q,
     }
 }
 
-/// Without branches: nobody can predict them.
-RECON_INLINE int position_of_least(const double* d)
-{
-    double least = d[0];
-    for (int k = 1; k < fan; ++k)
-        least = d[k] < least ? d[k] : least;
-    int found = 0;
-    for (int k = 0; k < fan; ++k)
-        found |= int(d[k] == least) << k;
-    return __builtin_ctz(unsigned(found));
-}
-
 /// What the queries read.
 struct Tree
 {
@@ -67,10 +55,10 @@ struct Tree
     int level_count;
 };
 
-/// Calls visit(first index, squared distances of 8 points) for the leaves that come as near as `limit`, which the
-/// visitor may lower, in the order of the points.
+/// Calls visit(first index, squared distances of 8 points) for the leaves that come as near as `limit`, in the
+/// order of the points.
 template <class Visit>
-RECON_INLINE void visit_leaves(const Tree& tree, const double* q, const double& limit, Visit&& visit)
+RECON_INLINE void visit_leaves(const Tree& tree, const double* q, double limit, Visit&& visit)
 {
     Node stack[deepest];
     int depth = 0;
@@ -149,19 +137,6 @@ void collect_within(const Tree& tree, const double* q, double limit, std::vector
                      }
                  });
     indices->insert(indices->end(), found, found + count);
-}
-
-/// `nearest` is some point at first.
-RECON_VECTOR_CLONES
-void find_nearer(const Tree& tree, const double* q, Candidate* nearest)
-{
-    visit_leaves(tree, q, nearest->squared,
-                 [&](int first, const double* d) RECON_INLINE_LAMBDA
-                 {
-                     const int k = position_of_least(d);
-                     if (const Candidate here{d[k], first + k}; here < *nearest)
-                         *nearest = here;
-                 });
 }
 
 } // namespace
@@ -247,15 +222,6 @@ int BlockSearch::nearest(const Point& query) const
     int index = -1;
     double squared = 0;
     return nearest(query, 1, &index, &squared) > 0 ? index : -1;
-}
-
-int BlockSearch::nearest_from(const Point& query, int guess) const
-{
-    const auto& leaf = leaves_[guess / fan].p;
-    const int k = guess % fan;
-    Candidate nearest{(query - Point(leaf[0][k], leaf[1][k], leaf[2][k])).squaredNorm(), guess};
-    find_nearer({leaves_.data(), level_starts_.data(), int(level_starts_.size())}, query.data(), &nearest);
-    return nearest.index;
 }
 
 void BlockSearch::within(const Point& query, double radius, std::vector<int>& indices) const

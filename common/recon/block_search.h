@@ -27,10 +27,8 @@ public:
     int nearest(const Point& query, int k, int* indices, double* squared, double& reach) const;
     int nearest(const Point& query, int k, int* indices, double* squared) const;
 
-    /// Index of the nearest point, -1 if there are none.
+    /// Index of the nearest point, -1 if there are none. For many queries side by side: nearest_samples.h.
     int nearest(const Point& query) const;
-    /// The same, faster where the point of index `guess` is near. Of equally near ones the lowest index.
-    int nearest_from(const Point& query, int guess) const;
 
     /// Indices of all points within `radius` of `query`, ascending; replaces the content of `indices`.
     void within(const Point& query, double radius, std::vector<int>& indices) const;

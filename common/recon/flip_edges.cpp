@@ -4,8 +4,9 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
+#include <optional>
 
 namespace recon
 {
@@ -16,27 +17,44 @@ class Flipper
 {
 public:
     Flipper(HalfEdgeMesh& mesh, const EdgeFlipOptions& options)
-        : mesh_(mesh), options_(options), faces_(std::size_t(mesh.triangles())), flips_of_(faces_.size(), 0)
+        : mesh_(mesh), options_(options), faces_(std::size_t(mesh.triangles())), flips_of_(faces_.size(), 0),
+          is_waiting_(4 * faces_.size(), 0)
     {
         parallel_for(faces_.size(), options.threads, {},
                      [&](std::size_t t) { faces_[t] = face(mesh.area_vector(int(t))); });
     }
 
-    int run()
+    int run(const std::vector<char>* changed)
     {
-        std::vector<char> promising(4 * faces_.size(), 0); // by half-edge
+        std::vector<char> is_promising(4 * faces_.size(), 0);
         parallel_for(faces_.size(), options_.threads, {},
                      [&](std::size_t t)
                      {
                          for (int h = 4 * int(t); h < 4 * int(t) + 3; ++h)
-                             promising[h] = h < mesh_.twin(h) && !is_settled(look_at(h));
+                             is_promising[h] = h < mesh_.twin(h) && (!changed || is_near(h, *changed)) && find_flip(h);
                      });
-        for (int h = 0; h < int(promising.size()); ++h)
-            if (promising[h])
-                waiting_.push_back(h);
-        // By index: a flip appends the edges around it.
-        for (std::size_t i = 0; i < waiting_.size(); ++i)
-            visit(waiting_[i]);
+        std::vector<int> wave;
+        for (int h = 0; h < int(is_promising.size()); ++h)
+            if (is_promising[h])
+                wave.push_back(h);
+        // One flip can spoil the next, so they are made one after the other; most of the time goes in finding that
+        // there is none, which threads do side by side between the waves.
+        while (!wave.empty())
+        {
+            for (const int h : wave)
+                visit(h);
+            wave.clear();
+            is_promising.assign(waiting_.size(), 0);
+            parallel_for(waiting_.size(), options_.threads, {},
+                         [&](std::size_t i) { is_promising[i] = find_flip(waiting_[i]).has_value(); });
+            for (std::size_t i = 0; i < waiting_.size(); ++i)
+            {
+                is_waiting_[waiting_[i]] = 0;
+                if (is_promising[i])
+                    wave.push_back(waiting_[i]);
+            }
+            waiting_.clear();
+        }
         return flips_;
     }
 
@@ -98,40 +116,71 @@ private:
         e.is_delaunay = sees_delaunay(e.a, e.b, e.c, e.d, e.left->area, e.right->area);
         return e;
     }
-    static bool is_settled(const Surroundings& e) { return e.is_delaunay && e.bending <= e.least_gain; }
+    /// The triangles beside an edge after its flip.
+    struct Flip
+    {
+        Face at_a, at_b;
+    };
+
+    /// Nothing if the edge had better stay.
+    std::optional<Flip> find_flip(int h) const
+    {
+        const Surroundings e = look_at(h);
+        if (e.is_delaunay && e.bending <= e.least_gain)
+            return {};
+        const Flip flip{face(e.c, e.a, e.d), face(e.d, e.b, e.c)};
+        const Vector mean = e.left->area * e.left->normal + e.right->area * e.right->normal;
+        const double least = 0.2 * mean.norm();
+        const Vector &at_a = flip.at_a.normal, &at_b = flip.at_b.normal;
+        if (!(at_a.dot(mean) > least) || !(at_b.dot(mean) > least))
+            return {};
+        const double after = distance(e.c, e.d) * (at_a - at_b).norm() + e.bc_length * (at_b - *e.bc).norm() +
+                             e.ca_length * (at_a - *e.ca).norm() + e.ad_length * (at_a - *e.ad).norm() +
+                             e.db_length * (at_b - *e.db).norm();
+        const double gain = e.bending - after;
+        if (gain <= e.least_gain && (e.is_delaunay || gain < -e.least_gain))
+            return {};
+        return flip;
+    }
+
+    /// Whether an end of the edge, or a corner beside it, is marked.
+    bool is_near(int h, const std::vector<char>& is_marked) const
+    {
+        return is_marked[mesh_.origin(h)] || is_marked[mesh_.target(h)] || is_marked[mesh_.opposite(h)] ||
+               is_marked[mesh_.opposite(mesh_.twin(h))];
+    }
 
     void visit(int h)
     {
         const int t = h >> 2, u = mesh_.twin(h) >> 2;
         if (flips_of_[t] >= options_.most_flips || flips_of_[u] >= options_.most_flips)
             return;
-        const Surroundings e = look_at(h);
-        if (is_settled(e))
-            return;
-        const Face at_a = face(e.c, e.a, e.d), at_b = face(e.d, e.b, e.c);
-        const Vector mean = e.left->area * e.left->normal + e.right->area * e.right->normal;
-        const double least = 0.2 * mean.norm();
-        if (!(at_a.normal.dot(mean) > least) || !(at_b.normal.dot(mean) > least))
-            return;
-        const double after = distance(e.c, e.d) * (at_a.normal - at_b.normal).norm() +
-                             e.bc_length * (at_b.normal - *e.bc).norm() + e.ca_length * (at_a.normal - *e.ca).norm() +
-                             e.ad_length * (at_a.normal - *e.ad).norm() + e.db_length * (at_b.normal - *e.db).norm();
-        const double gain = e.bending - after;
-        if (gain <= e.least_gain && (e.is_delaunay || gain < -e.least_gain))
-            return;
-        if (!mesh_.can_flip(h))
+        const std::optional<Flip> flip = find_flip(h);
+        if (!flip || !mesh_.can_flip(h))
             return;
         mesh_.flip(h);
         ++flips_;
-        faces_[t] = at_a;
-        faces_[u] = at_b;
+        faces_[t] = flip->at_a;
+        faces_[u] = flip->at_b;
         ++flips_of_[t];
         ++flips_of_[u];
-        for (int k = 0; k < 3; ++k)
-        {
-            waiting_.push_back(4 * t + k);
-            waiting_.push_back(4 * u + k);
-        }
+        for (const int changed : {t, u})
+            for (int side = 4 * changed; side < 4 * changed + 3; ++side)
+            {
+                wait(side);
+                const int beyond = mesh_.twin(side);
+                wait(next_half_edge(beyond));
+                wait(previous_half_edge(beyond));
+            }
+    }
+
+    void wait(int h)
+    {
+        h = std::min(h, mesh_.twin(h));
+        if (is_waiting_[h])
+            return;
+        is_waiting_[h] = 1;
+        waiting_.push_back(h);
     }
 
     /// Whether the angles at c and d, opposite of the edge from a to b, sum up to two right angles at most.
@@ -148,15 +197,16 @@ private:
     const EdgeFlipOptions& options_;
     std::vector<Face> faces_;
     std::vector<unsigned char> flips_of_;
-    std::vector<int> waiting_;
+    std::vector<char> is_waiting_; ///< By half-edge.
+    std::vector<int> waiting_;     ///< Half-edges around flips, the lower of two twins.
     int flips_ = 0;
 };
 
 } // namespace
 
-int flip_edges(HalfEdgeMesh& mesh, const EdgeFlipOptions& options)
+int flip_edges(HalfEdgeMesh& mesh, const EdgeFlipOptions& options, const std::vector<char>* changed)
 {
-    return Flipper(mesh, options).run();
+    return Flipper(mesh, options).run(changed);
 }
 
 } // namespace recon

@@ -2,6 +2,8 @@
 
 #include <recon/half_edge_mesh.h>
 
+#include <vector>
+
 namespace recon
 {
 
@@ -18,7 +20,8 @@ struct EdgeFlipOptions
 /// Flips edges as long as that lowers the total bending of the five edges around: the sum of their length times the
 /// difference of the normals beside them (total absolute mean curvature; Dyn, Hormann, Kim, Levin 2001: of all
 /// triangulations of the same points the one with the least is nearest to the surface, and creases become edges). No
-/// triangle turns over. \returns the number of flips.
-int flip_edges(HalfEdgeMesh& mesh, const EdgeFlipOptions& options = {});
+/// triangle turns over. \param changed per vertex whether it moved or is new since edges were flipped last: the search
+/// begins near these; null: everywhere. \returns the number of flips.
+int flip_edges(HalfEdgeMesh& mesh, const EdgeFlipOptions& options = {}, const std::vector<char>* changed = nullptr);
 
 } // namespace recon

@@ -67,11 +67,14 @@ public:
         flips.threads = threads_;
         for (int round = 0; round < rounds; ++round)
         {
-            int changed = move_to_seats();
-            changed += insert_missing();
-            if (changed == 0)
+            changed_.assign(std::size_t(mesh_.vertices()), 0);
+            const int before = mesh_.vertices();
+            const int moved = move_to_seats();
+            insert_missing();
+            changed_.resize(std::size_t(mesh_.vertices()), 1);
+            if (moved == 0 && mesh_.vertices() == before)
                 break;
-            flip_edges(mesh_, flips);
+            flip_edges(mesh_, flips, round == 0 ? nullptr : &changed_);
         }
     }
 
@@ -84,7 +87,8 @@ private:
             {
                 is_vertex_[sample] = mesh_.move(v, samples_[sample]);
                 // Half the way may do, and edges flip before the other half.
-                moved += is_vertex_[sample] || mesh_.move(v, (samples_[sample] + mesh_.position(v)) / 2);
+                changed_[v] = is_vertex_[sample] || mesh_.move(v, (samples_[sample] + mesh_.position(v)) / 2);
+                moved += changed_[v];
             }
         return moved;
     }
@@ -98,20 +102,15 @@ private:
         return (mesh_.position(v) - sample).squaredNorm() < farthest * farthest * longest;
     }
 
-    int insert_missing()
+    void insert_missing()
     {
         Points vertices;
         for (int v = 0; v < mesh_.vertices(); ++v)
             vertices.push_back(mesh_.position(v));
         const BlockSearch search(vertices);
-        int inserted = 0;
         for (const int i : seatless_)
-            if (!is_vertex_[i] && insert(samples_[i], search))
-            {
-                is_vertex_[i] = 1;
-                ++inserted;
-            }
-        return inserted;
+            if (!is_vertex_[i])
+                is_vertex_[i] = insert(samples_[i], search);
     }
 
     bool insert(const Point& p, const BlockSearch& search)
@@ -157,6 +156,7 @@ private:
     const std::vector<int>& seats_;
     std::vector<int> seatless_;   ///< Samples, ascending.
     std::vector<char> is_vertex_; ///< Per sample.
+    std::vector<char> changed_;   ///< Per vertex, in this round.
     int threads_;
 };
 

@@ -5,7 +5,6 @@
 #include <recon/crust_repair.h>
 #include <recon/delaunay.h>
 #include <recon/minimum_cut.h>
-#include <recon/neighbours.h>
 #include <recon/opposite_votes.h>
 #include <recon/parallel.h>
 #include <recon/short_handles.h>
@@ -92,34 +91,42 @@ constexpr double like_within = 0.1, like_from_radius = 4;
 /// quadratic.
 std::vector<std::array<int, 2>> pair_like_balls(const PolarBalls& polar, const std::vector<double>& scale, int threads)
 {
+    std::vector<int> large;
     Points centres;
-    for (const Ball& ball : polar.balls)
-        centres.push_back(ball.centre);
-    const NeighbourSearch search(centres);
-    std::vector<char> has_like(centres.size(), 0);
-    parallel_for(centres.size(), threads, {},
-                 [&](std::size_t b)
-                 {
-                     if (polar.is_outside[b] || polar.balls[b].radius < like_from_radius * scale[b])
-                         return;
-                     int indices[2];
-                     double squared[2];
-                     const double reach = like_within * scale[b];
-                     has_like[b] = search.nearest(centres[b], 2, indices, squared) == 2 && squared[1] <= reach * reach;
-                 });
+    for (int b = 0; b < int(polar.balls.size()); ++b)
+        if (!polar.is_outside[b] && polar.balls[b].radius >= like_from_radius * scale[b])
+        {
+            large.push_back(b);
+            centres.push_back(polar.balls[b].centre);
+        }
+    const BlockSearch search(centres);
+    std::vector<char> has_like(large.size(), 0);
+    constexpr std::size_t grain = 4096;
+    parallel_chunks(large.size(), threads, grain, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> around;
+                        for (std::size_t k = begin; k < end; ++k)
+                        {
+                            search.within(centres[k], like_within * scale[large[k]], around);
+                            has_like[k] = around.size() > 1;
+                        }
+                    });
     std::vector<std::array<int, 2>> pairs;
     std::vector<int> around;
-    for (int b = 0; b < int(centres.size()); ++b)
+    for (int k = 0; k < int(large.size()); ++k)
     {
-        if (!has_like[b])
+        if (!has_like[k])
             continue;
+        const int b = large[k];
         const double reach = like_within * scale[b];
-        search.within(centres[b], reach, around);
-        for (const int other : around)
-            if (other != b && has_like[other] && std::abs(polar.balls[other].radius - polar.balls[b].radius) <= reach)
+        search.within(centres[k], reach, around);
+        for (const int near : around)
+            if (const int other = large[near];
+                near != k && has_like[near] && std::abs(polar.balls[other].radius - polar.balls[b].radius) <= reach)
             {
                 pairs.push_back({other, b});
-                has_like[other] = 0;
+                has_like[near] = 0;
             }
     }
     return pairs;

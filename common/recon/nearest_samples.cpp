@@ -2,9 +2,127 @@
 
 #include <recon/block_search.h>
 #include <recon/parallel.h>
+#include <recon/vector_clones.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace recon
 {
+namespace
+{
+
+/// Some samples, ascending, as columns that end in a multiple of 8, infinitely far ones at the end.
+struct Candidates
+{
+    std::vector<int> index;
+    std::vector<double> x, y, z;
+
+    void gather(const Points& samples)
+    {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        const std::size_t padded = (index.size() + 7) / 8 * 8;
+        for (auto* column : {&x, &y, &z})
+            column->assign(padded, infinity);
+        for (std::size_t k = 0; k < index.size(); ++k)
+        {
+            const Point& p = samples[index[k]];
+            x[k] = p.x();
+            y[k] = p.y();
+            z[k] = p.z();
+        }
+    }
+};
+
+/// For each of the points the position of the nearest candidate, of equally near ones the first.
+RECON_VECTOR_CLONES
+void find_nearest(const Point* points, int count, const Candidates& candidates, int* nearest)
+{
+    const int n = int(candidates.x.size());
+    const double *x = candidates.x.data(), *y = candidates.y.data(), *z = candidates.z.data();
+    for (int i = 0; i < count; ++i)
+    {
+        const double px = points[i].x(), py = points[i].y(), pz = points[i].z();
+        double least[8];
+        int at[8];
+        for (int j = 0; j < 8; ++j)
+        {
+            least[j] = std::numeric_limits<double>::infinity();
+            at[j] = 0;
+        }
+        for (int k = 0; k < n; k += 8)
+            for (int j = 0; j < 8; ++j)
+            {
+                const double dx = x[k + j] - px, dy = y[k + j] - py, dz = z[k + j] - pz;
+                const double d = dx * dx + dy * dy + dz * dz;
+                at[j] = d < least[j] ? k : at[j];
+                least[j] = d < least[j] ? d : least[j];
+            }
+        int best = 0;
+        for (int j = 1; j < 8; ++j)
+            if (least[j] < least[best] || (least[j] == least[best] && at[j] + j < at[best] + best))
+                best = j;
+        nearest[i] = at[best] + best;
+    }
+}
+
+/// The candidates are listed once for a run of points that lie side by side.
+class RunSearch
+{
+public:
+    RunSearch(const BlockSearch& search, const Points& samples) : search_(search), samples_(samples) {}
+
+    /// Writes the nearest samples of points [begin, the end of the run). \returns that end.
+    std::size_t answer(const Points& points, std::size_t begin, std::size_t end, int* nearest)
+    {
+        const Point& first = points[begin];
+        double offset = last_ >= 0 ? (first - samples_[last_]).norm() : 2 * reach_;
+        if (!(offset < 2 * reach_)) // a jump, or the first point
+        {
+            int index[around];
+            double squared[around];
+            const int found = search_.nearest(first, around, index, squared);
+            offset = std::sqrt(squared[0]);
+            reach_ = std::sqrt(squared[found - 1]);
+        }
+        double farthest = 0;
+        std::size_t run = begin + 1;
+        for (; run < end && run - begin < longest_run; ++run)
+        {
+            const double distance = (points[run] - first).norm();
+            if (!(distance <= reach_))
+                break;
+            farthest = std::max(farthest, distance);
+        }
+        // A point at a distance r from the first one has its nearest sample within 2 r + offset of that one.
+        constexpr double rounding = 1 + 1e-9;
+        search_.within(first, rounding * (2 * farthest + offset), candidates_.index);
+        candidates_.gather(samples_);
+        find_nearest(&first, int(run - begin), candidates_, nearest);
+        for (std::size_t i = 0; i < run - begin; ++i)
+            nearest[i] = candidates_.index[nearest[i]];
+        last_ = nearest[run - begin - 1];
+        // Only the time depends on the reach.
+        if (candidates_.index.size() > most_candidates)
+            reach_ /= 1.5;
+        else if (candidates_.index.size() < fewest_candidates)
+            reach_ *= 1.5;
+        return run;
+    }
+
+private:
+    static constexpr int around = 8;
+    static constexpr std::size_t longest_run = 64, fewest_candidates = 24, most_candidates = 72;
+
+    const BlockSearch& search_;
+    const Points& samples_;
+    Candidates candidates_;
+    double reach_ = 0; ///< Of a run.
+    int last_ = -1;
+};
+
+} // namespace
 
 NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads, const Progress& progress)
 {
@@ -14,13 +132,11 @@ NearestSamples find_nearest_samples(const Points& points, const Points& samples,
     parallel_chunks(points.size(), threads, grain, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
-                        int sample = search.nearest(points[begin]);
+                        RunSearch runs(search, samples);
+                        for (std::size_t i = begin; i < end;)
+                            i = runs.answer(points, i, end, &result.sample[i]);
                         for (std::size_t i = begin; i < end; ++i)
-                        {
-                            sample = search.nearest_from(points[i], sample);
-                            result.sample[i] = sample;
-                            result.squared[i] = (points[i] - samples[sample]).squaredNorm();
-                        }
+                            result.squared[i] = (points[i] - samples[result.sample[i]]).squaredNorm();
                     });
     return result;
 }

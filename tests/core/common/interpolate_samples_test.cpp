@@ -162,17 +162,29 @@ TEST(InterpolateSamples, IsTheSameForAnyNumberOfThreads)
 
 TEST(NearestSamples, AreThoseOfEveryPair)
 {
-    const Points samples = shapes::sphere(500, 1, 3).points;
-    Points points = shapes::with_noise(samples, 0.01, 4);
-    points.push_back(Point(40, 0, 0)); // far from the last ones
-    const NearestSamples nearest = find_nearest_samples(points, samples);
-    for (std::size_t i = 0; i < points.size(); ++i)
+    Points samples = shapes::sphere(500, 1, 3).points;
+    samples.insert(samples.end(), samples.begin(), samples.begin() + 250); // of equal ones the first counts
+    Points points;
+    for (const Point& sample : samples)
     {
-        double least = 1e300;
-        for (const Point& sample : samples)
-            least = std::min(least, (points[i] - sample).squaredNorm());
-        EXPECT_DOUBLE_EQ(nearest.squared[i], least);
-        EXPECT_DOUBLE_EQ((points[i] - samples[nearest.sample[i]]).squaredNorm(), least);
+        const Points near = shapes::with_noise(Points(20, sample), 0.02, unsigned(points.size()));
+        points.insert(points.end(), near.begin(), near.end());
+        points.push_back(sample);
+        if (points.size() % 35 == 0)
+            points.push_back(Point(40, 0, 0)); // far from the last ones
+    }
+    for (const Points& few : {samples, Points(3, samples[0])})
+    {
+        const NearestSamples nearest = find_nearest_samples(points, few);
+        for (std::size_t i = 0; i < points.size(); ++i)
+        {
+            int best = 0;
+            for (int k = 1; k < int(few.size()); ++k)
+                if ((points[i] - few[k]).squaredNorm() < (points[i] - few[best]).squaredNorm())
+                    best = k;
+            ASSERT_EQ(nearest.sample[i], best);
+            EXPECT_DOUBLE_EQ(nearest.squared[i], (points[i] - few[best]).squaredNorm());
+        }
     }
 }
 
@@ -224,6 +236,20 @@ TEST(FlipEdges, MakesFlatPartsDelaunay)
     EXPECT_GT(flip_edges(edited), 2 * 36 - 1);
     EXPECT_TRUE(checks::examine_mesh(mesh).is_closed_oriented_manifold());
     EXPECT_NEAR(checks::examine_mesh(mesh).volume, 1, 1e-12);
+}
+
+TEST(FlipEdges, BeginsNearWhatChanged)
+{
+    const auto roof = [](double x, double y) { return -std::abs(x + y - 1); };
+    TriangleMesh mesh = block_with_top(8, roof);
+    HalfEdgeMesh edited(mesh, pair_half_edges(mesh));
+    std::vector<char> changed(mesh.vertices.size(), 0);
+    EXPECT_EQ(flip_edges(edited, {}, &changed), 0);
+    changed[81 + 4 * 9 + 4] = 1; // in the middle of the top
+    EXPECT_GE(flip_edges(edited, {}, &changed), 2);
+    changed.assign(changed.size(), 1);
+    flip_edges(edited, {}, &changed);
+    EXPECT_EQ(flip_edges(edited), 0);
 }
 
 TEST(FlipEdges, LeavesATetrahedronAlone)
