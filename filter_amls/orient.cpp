@@ -23,6 +23,7 @@ constexpr double opposite_weight = 0.98;
 constexpr int vote_rounds = 6;
 constexpr int vote_neighbours = 12;
 constexpr double least_vote = 0.1;
+constexpr double off_sheet = 0.85; // spacings over the tangent plane: neighbours beyond may be of another sheet
 constexpr double gap_spacings = 8; // an edge this long spans a gap
 constexpr double open_share = 0.3; // of the area: single views have .38 to .67, closed models and busts up to .18
 
@@ -150,7 +151,12 @@ void settle_votes(const Triangulation& t, const Points& points, const std::vecto
                 double reach = 2.5 * spacing[v];
                 const int count = search.nearest(points[v], vote_neighbours + 1, found, squared, reach);
                 for (int k = 0; k < count; ++k)
-                    agreement += normals[v].dot(normals[found[k]]) * (least_vote + std::abs(vote[found[k]]));
+                {
+                    const double off = normals[v].dot(points[found[k]] - points[v]) / (off_sheet * spacing[v]);
+                    const double on_sheet = 1 / (1 + off * off);
+                    agreement += on_sheet * on_sheet * normals[v].dot(normals[found[k]]) *
+                                 (least_vote + std::abs(vote[found[k]]));
+                }
                 flip[i] = agreement < 0;
             },
             256);

@@ -182,7 +182,10 @@ void sum_anchors(const float* values, std::size_t stride, const float* p, const 
 class Projector
 {
 public:
-    Projector(const AmlsSurface::Data& data, const AmlsProjectionOptions& options) : data_(data), options_(options) {}
+    Projector(const AmlsSurface::Data& data, const AmlsProjectionOptions& options)
+        : data_(data), options_(options), sides_(options.sharp ? data.cell_sides : data.cell_normals.normals)
+    {
+    }
 
     /// Makes the anchors around a ball of points ready.
     void prepare(const Point& centre, double radius, double width)
@@ -194,7 +197,7 @@ public:
     {
         const LocalScale& scale = data_.cells.scales[cell];
         const double h = scale.width;
-        const Vector side = data_.cell_normals.normals[cell];
+        const Vector side = sides_[cell];
         result.widths[i] = data_.frame.scale() * h;
         result.spacings[i] = data_.frame.scale() / std::sqrt(scale.density);
         result.normals[i] = side;
@@ -250,7 +253,7 @@ private:
     {
         const LocalScale& scale = data_.cells.scales[cell];
         const double h = scale.width;
-        const Vector side = data_.cell_normals.normals[cell];
+        const Vector side = sides_[cell];
         const double enough = std::max(options_.tolerance / std::sqrt(scale.density), least_step * h);
         Landing result;
         result.x = start;
@@ -368,6 +371,7 @@ private:
 
     const AmlsSurface::Data& data_;
     const AmlsProjectionOptions& options_;
+    const Vectors& sides_;
     GatheredAnchors around_run_, around_point_;
 };
 

@@ -1,6 +1,7 @@
 #include "surface.h"
 
 #include "anchors.h"
+#include "cell_sides.h"
 #include "feature_size.h"
 #include "orient.h"
 #include "robust_scale.h"
@@ -289,6 +290,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     for (const Anchor& anchor : data->anchors)
         data->anchor_positions.push_back(anchor.position);
     data->anchor_search = BlockSearch(data->anchor_positions);
+    data->cell_sides = normals.normals;
+    follow_anchors(cells, data->anchors, data->anchor_search, data->cell_sides, threads);
     for (const int i : order_spatially(orientation.poles).order)
         data->poles.push_back(orientation.poles[std::size_t(i)]);
     data->pole_search = BlockSearch(data->poles);

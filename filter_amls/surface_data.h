@@ -24,6 +24,7 @@ struct AmlsSurface::Data
     Cells cells;
     BlockSearch cell_search;  ///< Of the cells' means.
     CellNormals cell_normals; ///< Normals outward.
+    Vectors cell_sides;       ///< The same after follow_anchors(): in which half space points look for the surface.
     std::vector<Anchor> anchors;
     Points anchor_positions;
     BlockSearch anchor_search;

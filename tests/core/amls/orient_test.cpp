@@ -157,6 +157,24 @@ TEST(OrientNormals, AgreeWithTheirNeighboursOnARoughCloud)
     EXPECT_LE(wrong, 5);
 }
 
+TEST(OrientNormals, ListenToNeighboursOfTheirOwnSheet)
+{
+    // Two spacings thick and rough: among the neighbours of a landmark are as many of the other side, which rightly
+    // contradict it.
+    const Vector sides(50, 50, 2);
+    int wrong = 0;
+    for (const std::uint64_t seed : {1, 2, 3})
+    {
+        Landmarks plate;
+        OrientedSamples rough = shapes::box(5400, sides, seed);
+        rough.points = shapes::with_noise(rough.points, 0.3, seed + 10);
+        plate.add(rough, 1);
+        plate.scale(0.01);
+        wrong += plate.wrong(plate.orient());
+    }
+    EXPECT_LT(wrong, 0.003 * 3 * 5400);
+}
+
 TEST(OrientNormals, DoNotSlipThroughHoles)
 {
     // Round holes of ten spacings, through which balls of the outside reach in.
