@@ -22,7 +22,7 @@ struct Pair
 
 /// Whether the planes of samples i and j, which meet at x, are two faces of an edge: both samples lie on the same side
 /// of the other's plane, and no sample around x has a normal between the two, as where a surface just bends.
-bool is_edge(const UsableSamples& usable, const NeighbourSearch& search, std::size_t i, std::size_t j, const Point& x)
+bool is_edge(const UsableSamples& usable, const BlockSearch& search, std::size_t i, std::size_t j, const Point& x)
 {
     const Points& points = usable.samples.points;
     const Vectors& normals = usable.samples.normals;
@@ -58,7 +58,7 @@ void add(const UsableSamples& usable, const Point& x, std::initializer_list<int>
 }
 
 /// Adds corners, where the planes of three near samples meet. `pairs`: near samples on different faces, shortest first.
-void add_corners(const UsableSamples& usable, const NeighbourSearch& search, const std::vector<Pair>& pairs,
+void add_corners(const UsableSamples& usable, const BlockSearch& search, const std::vector<Pair>& pairs,
                  SparseSet& taken, AddedSamples& creases)
 {
     const Points& points = usable.samples.points;
@@ -95,7 +95,7 @@ void add_corners(const UsableSamples& usable, const NeighbourSearch& search, con
 
 } // namespace
 
-AddedSamples detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle)
+AddedSamples detect_creases(const UsableSamples& usable, const BlockSearch& search, double crease_angle)
 {
     constexpr int k = 16;
     const double same = std::cos(crease_angle);

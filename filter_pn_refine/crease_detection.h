@@ -3,7 +3,7 @@
 #include "added_samples.h"
 #include "usable_samples.h"
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 
 namespace recon::pn
 {
@@ -12,6 +12,6 @@ namespace recon::pn
 /// corners (samples of the result that share a position follow each other). Where near points' normals differ by more
 /// than `crease_angle` [radians], the crease runs along the intersection of their tangent planes, or the corner lies
 /// where three of them meet; creases are sampled about as densely as the cloud.
-AddedSamples detect_creases(const UsableSamples& usable, const NeighbourSearch& search, double crease_angle);
+AddedSamples detect_creases(const UsableSamples& usable, const BlockSearch& search, double crease_angle);
 
 } // namespace recon::pn

@@ -3,6 +3,7 @@
 #include "sparse_set.h"
 
 #include <recon/median.h>
+#include <recon/neighbours.h>
 
 #include <algorithm>
 #include <cmath>

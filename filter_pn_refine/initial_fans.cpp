@@ -98,10 +98,9 @@ FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, 
 
 } // namespace
 
-InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search,
-                              const NearestTable& nearest, const std::vector<char>& is_crease, double crease_angle,
-                              double factor, int threads, const Progress& progress, const InitialFans* before,
-                              const std::vector<char>& is_changed)
+InitialFans find_initial_fans(const OrientedSamples& samples, const BlockSearch& search, const NearestTable& nearest,
+                              const std::vector<char>& is_crease, double crease_angle, double factor, int threads,
+                              const Progress& progress, const InitialFans* before, const std::vector<char>& is_changed)
 {
     const CreaseRule rule{is_crease, std::cos(crease_angle)};
     const int n = int(samples.points.size());
@@ -127,7 +126,10 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSea
             {
                 int more[most_nearest];
                 double squared[most_nearest];
-                const int found = search.nearest(samples.points[i], std::min(n, most_nearest), more, squared);
+                const Point& p = samples.points[i];
+                const double known = (samples.points[std::size_t(nearest.of(i)[nearest.count - 1])] - p).norm();
+                double reach = 1.15 * known * std::sqrt(double(most_nearest) / nearest.count);
+                const int found = search.nearest(p, std::min(n, most_nearest), more, squared, reach);
                 fans[i] = find_fan(samples, int(i), more, found, rule, local, ring);
             }
         },

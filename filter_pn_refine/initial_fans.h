@@ -2,8 +2,8 @@
 
 #include "nearest_table.h"
 
+#include <recon/block_search.h>
 #include <recon/geometry.h>
-#include <recon/neighbours.h>
 #include <recon/progress.h>
 
 #include <vector>
@@ -26,9 +26,9 @@ struct InitialFans
 /// farthest of the fan. \param is_crease per sample: shares its position. Near such samples neighbours' normals must
 /// agree within `crease_angle` [radians]. \param before fans of the first samples, to be kept where `is_changed` is 0;
 /// may be null.
-InitialFans find_initial_fans(const OrientedSamples& samples, const NeighbourSearch& search,
-                              const NearestTable& nearest, const std::vector<char>& is_crease, double crease_angle,
-                              double factor, int threads, const Progress& progress, const InitialFans* before = nullptr,
+InitialFans find_initial_fans(const OrientedSamples& samples, const BlockSearch& search, const NearestTable& nearest,
+                              const std::vector<char>& is_crease, double crease_angle, double factor, int threads,
+                              const Progress& progress, const InitialFans* before = nullptr,
                               const std::vector<char>& is_changed = {});
 
 } // namespace recon::pn

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -19,18 +19,20 @@ struct NearestTable
     const int* of(std::size_t i) const { return index.data() + i * std::size_t(count); }
 };
 
-inline NearestTable find_nearest(const Points& points, const NeighbourSearch& search, int threads,
+inline NearestTable find_nearest(const Points& points, const BlockSearch& search, int threads,
                                  const Progress& progress = {})
 {
     NearestTable table;
     table.count = int(std::min(points.size(), std::size_t(NearestTable::each)));
     table.index.resize(points.size() * std::size_t(table.count));
-    parallel_for(points.size(), threads, progress,
-                 [&](std::size_t i)
-                 {
-                     double squared[NearestTable::each];
-                     search.nearest(points[i], table.count, table.index.data() + i * std::size_t(table.count), squared);
-                 });
+    parallel_chunks(points.size(), threads, 256, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        double squared[NearestTable::each], reach = 0;
+                        for (std::size_t i = begin; i < end; ++i)
+                            search.nearest(points[i], table.count, table.index.data() + i * std::size_t(table.count),
+                                           squared, reach);
+                    });
     return table;
 }
 

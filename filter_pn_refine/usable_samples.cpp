@@ -78,7 +78,7 @@ void leave_out(const std::vector<char>& is_isolated, UsableSamples& usable)
 
 void update_nearest(UsableSamples& usable, int threads, const Progress& progress)
 {
-    usable.search = std::make_unique<NeighbourSearch>(usable.samples.points);
+    usable.search = std::make_unique<BlockSearch>(usable.samples.points);
     usable.nearest = find_nearest(usable.samples.points, *usable.search, threads, progress);
 }
 
@@ -91,7 +91,7 @@ std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added,
         update_nearest(usable, threads);
         return std::vector<char>(points.size(), 1);
     }
-    usable.search = std::make_unique<NeighbourSearch>(points);
+    usable.search = std::make_unique<BlockSearch>(points);
     NearestTable& table = usable.nearest;
     table.count = before.count;
     table.index.resize(points.size() * std::size_t(table.count));

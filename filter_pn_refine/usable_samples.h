@@ -24,9 +24,9 @@ struct UsableSamples
     std::vector<int> input;  ///< Per sample its index in the input.
     /// Per sample: the first sample at the same position (a crease's first normal); itself mostly.
     std::vector<int> sharing;
-    std::vector<char> is_crease;             ///< Per sample: shares its position with another.
-    std::unique_ptr<NeighbourSearch> search; ///< Among the samples.
-    NearestTable nearest;                    ///< Of the samples.
+    std::vector<char> is_crease;         ///< Per sample: shares its position with another.
+    std::unique_ptr<BlockSearch> search; ///< Among the samples.
+    NearestTable nearest;                ///< Of the samples.
     int duplicates = 0, without_normal = 0, isolated = 0;
 };
 

@@ -224,7 +224,7 @@ TEST(Ring, EveryInstructionSetFindsTheSameNeighbours)
 TEST(InitialFans, RadiusReachesTheFanAndThoseWhoseFanHoldsThePoint)
 {
     const OrientedSamples samples = shapes::sphere(1500, 1, 4);
-    const NeighbourSearch search(samples.points);
+    const BlockSearch search(samples.points);
     const InitialFans fans = find_initial_fans(samples, search, find_nearest(samples.points, search, 1),
                                                std::vector<char>(1500, 0), 0.7, 1.5, 1, {});
     for (int i = 0; i < 1500; ++i)
