@@ -8,12 +8,27 @@
 namespace recon::pn
 {
 
-/// Samples put where the input has none, before the first step: onto creases, into holes, into folds.
+/// Samples put where the input has none, before the first step: onto creases, into holes, into voids, into folds.
 struct AddedSamples
 {
     OrientedSamples samples;
     std::vector<std::array<int, 3>>
         parents; ///< Usable samples, or (from their number on) samples added before this one.
 };
+
+/// A place for a sample.
+struct ProposedSample
+{
+    Point point;
+    Vector normal;
+    double worth;   ///< Of two that are too near to each other the one that is worth more stays.
+    double spacing; ///< Of the input here.
+    std::array<int, 3> parents;
+};
+
+/// Of samples of one side nearer to each other than `room` [spacings] those that are worth most.
+AddedSamples thin_out(std::vector<ProposedSample> proposed, double room);
+
+constexpr double same_side_of_fold = 0.5; ///< Normals that agree more lie on one side of a fold.
 
 } // namespace recon::pn

@@ -35,7 +35,8 @@ bool is_edge(const UsableSamples& usable, const BlockSearch& search, std::size_t
     const double reach = 1.5 * std::max((points[i] - x).norm(), (points[j] - x).norm());
     int near[k];
     double squared[k];
-    const int found = search.nearest(x, k, near, squared);
+    double first_reach = reach;
+    const int found = search.nearest(x, k, near, squared, first_reach);
     return std::none_of(near, near + found,
                         [&](int m)
                         {
@@ -107,7 +108,9 @@ AddedSamples detect_creases(const UsableSamples& usable, const BlockSearch& sear
     {
         int nearest[k];
         double squared[k];
-        const int found = search.nearest(points[std::size_t(i)], k, nearest, squared);
+        const Point& farthest = points[std::size_t(usable.nearest.of(std::size_t(i))[usable.nearest.count - 1])];
+        double reach = (farthest - points[std::size_t(i)]).norm();
+        const int found = search.nearest(points[std::size_t(i)], k, nearest, squared, reach);
         spacing += found > 4 ? std::sqrt(squared[4]) : 0;
         for (int m = 0; m < found; ++m)
             if (const int j = nearest[m]; squared[m] > 0 && i < j && !usable.is_crease[std::size_t(i)] &&

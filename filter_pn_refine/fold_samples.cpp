@@ -2,7 +2,6 @@
 
 #include "hermite_surface.h"
 
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
 
 #include <Eigen/Geometry>
@@ -17,9 +16,9 @@ namespace
 
 constexpr double pi = 3.141592653589793;
 
-constexpr double open_gap = 140 * pi / 180;   ///< Of a fan: no rule lets PN triangles close more [radians].
-constexpr double folded = 0.3;                ///< Normals that agree less lie on two sides of a fold.
-constexpr double same_side = 0.5;             ///< Normals that agree more lie on one side of it.
+constexpr double open_gap = 140 * pi / 180; ///< Of a fan: no rule lets PN triangles close more [radians].
+constexpr double folded = 0.3;              ///< Normals that agree less lie on two sides of a fold.
+constexpr double same_side = same_side_of_fold;
 constexpr double stride = 0.7;                ///< Between samples made on one walk [spacings],
 constexpr int strides = 2;                    ///< so many at most.
 constexpr double room = 0.55;                 ///< To the next sample of the same side [spacings].
@@ -30,19 +29,10 @@ constexpr double jutting = 0.25;              ///< No point lies farther out tha
 constexpr int around = 24;                    ///< Samples looked at.
 constexpr int fitted = 14;                    ///< Samples that the surface interpolates.
 
-struct FoldSample
-{
-    Point point;
-    Vector normal;
-    double room;    ///< To the next sample of the same side [spacings].
-    double spacing; ///< Of the input here.
-    std::array<int, 3> parents;
-};
-
 /// What lies around a point of a walk.
 struct Surroundings
 {
-    double room = 1e300;  ///< As in FoldSample, but a length.
+    double room = 1e300;  ///< To the next sample of the same side [length].
     double above = 1e300; ///< Height above the nearest samples, all of which lie below; else negative.
     std::array<int, 3> parents;
     bool is_among_samples = false; ///< The walk is over.
@@ -57,11 +47,11 @@ public:
     }
 
     /// Walks into a direction of the tangent plane. \returns what it passed; nothing if it leads nowhere.
-    std::vector<FoldSample> go(Vector along) const
+    std::vector<ProposedSample> go(Vector along) const
     {
         const OrientedSamples& samples = usable_.samples;
         Point p = samples.points[from_];
-        std::vector<FoldSample> passed;
+        std::vector<ProposedSample> passed;
         for (int k = 0; k < strides; ++k)
         {
             Vector normal;
@@ -86,7 +76,8 @@ private:
     {
         int nearest[fitted];
         double squared[fitted];
-        usable_.search->nearest(p, fitted, nearest, squared);
+        double reach = likely_reach(spacing_, fitted);
+        usable_.search->nearest(p, fitted, nearest, squared, reach);
         if (std::any_of(nearest, nearest + fitted, [&](int j) { return usable_.is_crease[std::size_t(j)] != 0; }))
             return false;
         const HermiteSurface surface(usable_.samples, nearest, fitted, p, spacing_, slack_);
@@ -113,7 +104,8 @@ private:
         s.parents.fill(int(from_));
         int found[around];
         double squared[around];
-        const int count = usable_.search->nearest(p, around, found, squared);
+        double reach = likely_reach(spacing_, around);
+        const int count = usable_.search->nearest(p, around, found, squared, reach);
         const Vector u = normal.unitOrthogonal(), v = normal.cross(u);
         std::vector<double> angles;
         std::size_t parents = 0;
@@ -178,34 +170,6 @@ std::vector<double> directions_into_gaps(const OrientedSamples& samples, const I
     return directions;
 }
 
-/// Of samples too near to each other on one side those with more room stay.
-AddedSamples thin_out(std::vector<FoldSample> found)
-{
-    std::stable_sort(found.begin(), found.end(),
-                     [](const FoldSample& a, const FoldSample& b) { return a.room > b.room; });
-    Points points;
-    for (const FoldSample& f : found)
-        points.push_back(f.point);
-    const NeighbourSearch search(points);
-    AddedSamples added;
-    std::vector<char> is_kept(found.size(), 0);
-    std::vector<int> near;
-    for (std::size_t k = 0; k < found.size(); ++k)
-    {
-        const FoldSample& f = found[k];
-        search.within(f.point, room * f.spacing, near);
-        is_kept[k] = std::none_of(
-            near.begin(), near.end(),
-            [&](int j) { return is_kept[std::size_t(j)] && found[std::size_t(j)].normal.dot(f.normal) > same_side; });
-        if (!is_kept[k])
-            continue;
-        added.samples.points.push_back(f.point);
-        added.samples.normals.push_back(f.normal);
-        added.parents.push_back(f.parents);
-    }
-    return added;
-}
-
 } // namespace
 
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
@@ -216,7 +180,7 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
     const std::size_t n = samples.points.size();
     if (usable.nearest.count < around)
         return {};
-    std::vector<std::vector<FoldSample>> found(n);
+    std::vector<std::vector<ProposedSample>> found(n);
     parallel_for(
         n, threads, progress,
         [&](std::size_t i)
@@ -243,15 +207,15 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
                 };
                 if (std::any_of(near, near + around, goes_on))
                     continue;
-                const std::vector<FoldSample> passed = walk.go(along);
+                const std::vector<ProposedSample> passed = walk.go(along);
                 found[i].insert(found[i].end(), passed.begin(), passed.end());
             }
         },
         64);
-    std::vector<FoldSample> all;
-    for (const std::vector<FoldSample>& f : found)
+    std::vector<ProposedSample> all;
+    for (const std::vector<ProposedSample>& f : found)
         all.insert(all.end(), f.begin(), f.end());
-    return thin_out(std::move(all));
+    return thin_out(std::move(all), room);
 }
 
 } // namespace recon::pn

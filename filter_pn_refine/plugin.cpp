@@ -137,6 +137,7 @@ void describe(const recon::PnRefinement& refined, plugin::FilterResult& result)
                            {"crease_segments", refined.crease_segments},
                            {"crease_points", refined.crease_points},
                            {"hole_points", refined.hole_points},
+                           {"void_points", refined.void_points},
                            {"fold_points", refined.fold_points},
                            {"turned_normals", int(refined.turned_normals.size())},
                            {"left_out", refined.left_out},

@@ -13,6 +13,7 @@
 #include "segments.h"
 #include "spacing.h"
 #include "usable_samples.h"
+#include "void_samples.h"
 
 #include <recon/errors.h>
 #include <recon/parallel.h>
@@ -140,11 +141,16 @@ public:
         std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
         if (!options_.fast)
             slack_ = slack_of_gradients(estimate_normal_noise(usable));
+        if (!options_.fast && put_into_voids(usable, fans, spacing, progress.part(0.12, 0.125, "voids")))
+        {
+            prepare_added(usable, fans);
+            spacing = find_spacing(usable.samples, usable.nearest, threads_);
+        }
         // Twice: what the first pass made shows the way to more.
         for (int pass = 0; !options_.fast && pass < 2; ++pass)
         {
             if (!put_into_folds(usable, fans, spacing,
-                                progress.part(0.12 + 0.015 * pass, 0.135 + 0.015 * pass, "folds")))
+                                progress.part(0.125 + 0.0125 * pass, 0.1375 + 0.0125 * pass, "folds")))
                 break;
             prepare_added(usable, fans);
             spacing = find_spacing(usable.samples, usable.nearest, threads_);
@@ -211,6 +217,16 @@ private:
         fans = find_fans(usable, {}, &fans, is_changed);
     }
 
+    /// Puts points into voids. \returns false if there are none.
+    bool put_into_voids(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
+                        const Progress& progress)
+    {
+        const auto may_start = [&](std::size_t i) { return !is_frozen(usable.input[i]); };
+        result_.void_points =
+            put_in(usable, sample_voids(usable, fans, spacing, slack_, may_start, threads_, progress), false);
+        return result_.void_points > 0;
+    }
+
     /// Puts points into folds. \returns false if there are none.
     bool put_into_folds(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
                         const Progress& progress)
@@ -255,6 +271,7 @@ private:
             usable.samples.points.push_back(made.samples.points[i]);
             usable.samples.normals.push_back(made.samples.normals[i]);
             usable.input.push_back(before + int(i));
+            usable.beside.push_back(made.parents[i][0]);
             const bool is_shared = i > 0 && made.samples.points[i] == made.samples.points[i - 1];
             usable.sharing.push_back(is_shared ? usable.sharing.back() : n + int(i));
             usable.is_crease.push_back(is_crease);
@@ -376,7 +393,10 @@ private:
         Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale(), {}};
         if (!options_.fast && usable_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
-            { move_onto_sample_surface(*usable_, slack_, level_.points, corners, made); };
+            {
+                const auto normal = [&](std::size_t m) { return &level_.points[std::size_t(corners[m])].normal; };
+                move_onto_sample_surface(*usable_, slack_, {normal(0), normal(1), normal(2)}, made);
+            };
         RadiusSummary radii(std::size_t(before + made));
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};

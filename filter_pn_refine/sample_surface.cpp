@@ -13,22 +13,22 @@ constexpr int around = 40;        ///< Among so many nearest,
 constexpr double same_side = 0.3; ///< those whose normals agree so far with that of the triangle.
 constexpr double least_move = 0.01, largest_move = 0.5; ///< Nothing is moved less or farther [spacings].
 
-bool is_flat(const std::vector<WorkPoint>& level, const std::array<int, 3>& corners)
+bool is_flat(const CornerNormals& normals)
 {
-    const auto normal = [&](std::size_t m) -> const Vector& { return level[std::size_t(corners[m])].normal; };
-    return normal(0).dot(normal(1)) >= flat && normal(1).dot(normal(2)) >= flat && normal(2).dot(normal(0)) >= flat;
+    return normals[0]->dot(*normals[1]) >= flat && normals[1]->dot(*normals[2]) >= flat &&
+           normals[2]->dot(*normals[0]) >= flat;
 }
 
 } // namespace
 
-void move_onto_sample_surface(const UsableSamples& usable, double slack, const std::vector<WorkPoint>& level,
-                              const std::array<int, 3>& corners, WorkPoint& made)
+void move_onto_sample_surface(const UsableSamples& usable, double slack, const CornerNormals& normals, WorkPoint& made)
 {
-    if (is_flat(level, corners))
+    if (is_flat(normals))
         return;
     int nearest[around], chosen[fitted], count = 0;
     double squared[around];
-    const int found = usable.search->nearest(made.position, around, nearest, squared);
+    double reach = likely_reach(double(made.spacing), around);
+    const int found = usable.search->nearest(made.position, around, nearest, squared, reach);
     for (int m = 0; m < found && count < fitted; ++m)
     {
         const auto j = std::size_t(nearest[m]);

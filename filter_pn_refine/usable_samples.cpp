@@ -102,10 +102,11 @@ std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added,
                  [&](std::size_t i)
                  {
                      int* const row = table.index.data() + i * std::size_t(table.count);
+                     double reach;
                      if (i < first_added)
                      {
                          const int* const old = before.of(i);
-                         const double reach = distance(points[i], points[std::size_t(old[before.count - 1])]);
+                         reach = distance(points[i], points[std::size_t(old[before.count - 1])]);
                          const double to_added =
                              distance(points[i], added[std::size_t(added_search.nearest(points[i]))]);
                          is_changed[i] = to_added < 2 * reach; // open fans look farther than the table
@@ -115,8 +116,16 @@ std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added,
                              return;
                          }
                      }
+                     else
+                     {
+                         auto known = i;
+                         while (known >= first_added)
+                             known = std::size_t(usable.beside[known]);
+                         reach = distance(points[i], points[known]) +
+                                 distance(points[known], points[std::size_t(before.of(known)[before.count - 1])]);
+                     }
                      double squared[NearestTable::each];
-                     usable.search->nearest(points[i], table.count, row, squared);
+                     usable.search->nearest(points[i], table.count, row, squared, reach);
                  });
     return is_changed;
 }
@@ -167,6 +176,8 @@ void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame,
     leave_out(find_isolated(samples.points, usable.nearest, threads), usable);
     if (usable.isolated > 0 && !usable.input.empty())
         update_nearest(usable, threads);
+    usable.beside.resize(usable.input.size());
+    std::iota(usable.beside.begin(), usable.beside.end(), 0);
     usable.is_crease.assign(usable.input.size(), 0);
     for (std::size_t i = 0; i < usable.input.size(); ++i)
         if (const auto first = std::size_t(usable.sharing[i]); first != i)

@@ -5,6 +5,7 @@
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -24,7 +25,8 @@ struct UsableSamples
     std::vector<int> input;  ///< Per sample its index in the input.
     /// Per sample: the first sample at the same position (a crease's first normal); itself mostly.
     std::vector<int> sharing;
-    std::vector<char> is_crease;         ///< Per sample: shares its position with another.
+    std::vector<int> beside;     ///< Per sample that was put in: another near it. Itself for those of the input.
+    std::vector<char> is_crease; ///< Per sample: shares its position with another.
     std::unique_ptr<BlockSearch> search; ///< Among the samples.
     NearestTable nearest;                ///< Of the samples.
     int duplicates = 0, without_normal = 0, isolated = 0;
@@ -35,6 +37,13 @@ struct UsableSamples
 /// are from theirs. \pre `usable` is empty.
 void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
                            const Progress& progress, UsableSamples& usable);
+
+/// How far to look for k samples that lie `spacing` apart: without a guess a search begins with the spacing of all,
+/// which says nothing where they lie in heaps far from each other.
+inline double likely_reach(double spacing, int k)
+{
+    return spacing * std::sqrt(double(k));
+}
 
 /// Makes search and table again after samples have been added or left out.
 void update_nearest(UsableSamples& usable, int threads, const Progress& progress = {});

@@ -91,6 +91,7 @@ VALUES = {
         "boundary_segments": "segments of rims at the start", "crease_segments": "segments of creases at the start",
         "crease_points": "points put onto detected creases before the first step",
         "hole_points": "points put into holes before the first step",
+        "void_points": "points put into voids between samples",
         "fold_points": "points put into folds that the samples show too sparsely",
         "turned_normals": "input points whose normal was turned",
         "left_out": "input points that took no part: duplicates, without normal, isolated",

@@ -258,6 +258,7 @@ TEST(InitialFans, AreTheSameWhereOnlyThoseNearAddedSamplesAreFoundAgain)
         usable.samples.points.push_back(frame.to_unit(added.points[i]));
         usable.samples.normals.push_back(added.normals[i]);
         usable.is_crease.push_back(0);
+        usable.beside.push_back(0);
     }
     const std::vector<char> is_changed = pn::add_to_nearest(usable, 3000, 1);
     EXPECT_LT(std::count(is_changed.begin(), is_changed.end(), 1), 2500);

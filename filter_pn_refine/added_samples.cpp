@@ -1,0 +1,39 @@
+#include "added_samples.h"
+
+#include <recon/neighbours.h>
+
+#include <algorithm>
+
+namespace recon::pn
+{
+
+AddedSamples thin_out(std::vector<ProposedSample> proposed, double room)
+{
+    std::stable_sort(proposed.begin(), proposed.end(),
+                     [](const ProposedSample& a, const ProposedSample& b) { return a.worth > b.worth; });
+    Points points;
+    for (const ProposedSample& p : proposed)
+        points.push_back(p.point);
+    const NeighbourSearch search(points);
+    AddedSamples added;
+    std::vector<char> is_kept(proposed.size(), 0);
+    std::vector<int> near;
+    for (std::size_t k = 0; k < proposed.size(); ++k)
+    {
+        const ProposedSample& p = proposed[k];
+        search.within(p.point, room * p.spacing, near);
+        is_kept[k] = std::none_of(near.begin(), near.end(),
+                                  [&](int j) {
+                                      return is_kept[std::size_t(j)] &&
+                                             proposed[std::size_t(j)].normal.dot(p.normal) > same_side_of_fold;
+                                  });
+        if (!is_kept[k])
+            continue;
+        added.samples.points.push_back(p.point);
+        added.samples.normals.push_back(p.normal);
+        added.parents.push_back(p.parents);
+    }
+    return added;
+}
+
+} // namespace recon::pn
