@@ -319,17 +319,21 @@ private:
         level_ = make_level(std::move(points));
     }
 
-    /// \returns false if no step may follow.
-    bool refine_level(bool is_last, const Progress& progress, PhaseTimes& times)
+    /// What a step finds out before the next level is made of it.
+    struct StepState
     {
-        times.begin("leaves");
-        const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name_));
-        if (graph.is_empty)
-            return false;
-        std::vector<LeafChildren> children = children_memory_.lists_for(level_);
+        std::vector<LeafChildren> children;
         std::vector<WorkPoint> on_segments;
-        std::vector<float> next_radius(level_.points.size(), 0.f);
-        std::vector<int> open_gaps(level_.leaves.size(), 0);
+        std::vector<InsertedThirds> thirds;
+        std::vector<float> next_radius;
+        std::vector<int> open_gaps;
+        std::vector<int> first; ///< As in Growth.
+    };
+
+    /// Per point of the level: what it keeps if it is not refined, else 0.
+    std::vector<float> radii_of_unrefined() const
+    {
+        std::vector<float> radii(level_.points.size(), 0.f);
         parallel_for(level_.leaves.size(), threads_, {},
                      [&](std::size_t k)
                      {
@@ -338,16 +342,29 @@ private:
                              return;
                          for (auto i = std::size_t(leaf.begin); i < std::size_t(leaf.end); ++i)
                              if (!(level_.points[i].flags & WorkPoint::refined))
-                                 next_radius[i] = level_.points[i].radius;
+                                 radii[i] = level_.points[i].radius;
                      });
+        return radii;
+    }
+
+    /// \returns false if no step may follow.
+    bool refine_level(bool is_last, const Progress& progress, PhaseTimes& times)
+    {
+        times.begin("leaves");
+        const LeafGraph graph = connect_leaves(level_, threads_, progress.part(0, 0.05, progress_name_));
+        if (graph.is_empty)
+            return false;
+        StepState state;
+        state.children = children_memory_.lists_for(level_);
+        state.next_radius = radii_of_unrefined();
+        state.open_gaps.assign(level_.leaves.size(), 0);
 
         times.begin("refine");
         // On every odd step (section 6), before what lies beside them.
         const bool is_odd = result_.steps.size() % 2 == 0;
-        std::vector<InsertedThirds> thirds;
         if (is_odd)
-            thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), threads_, children,
-                                   on_segments);
+            state.thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), threads_,
+                                         state.children, state.on_segments);
         const RefineStep step{level_,
                               graph,
                               choose_precision(options_),
@@ -355,16 +372,16 @@ private:
                               shrinking_,
                               float(std::cos(options_.crease_angle * radians)),
                               float(options_.boundary_angle * radians),
-                              children,
-                              next_radius,
-                              open_gaps};
+                              state.children,
+                              state.next_radius,
+                              state.open_gaps};
         refine_leaves(step, threads_, progress.part(0.05, 0.9, progress_name_));
 
         times.begin("grow");
-        std::vector<int> first(children.size() + 1, 0);
-        for (std::size_t i = 0; i < children.size(); ++i)
-            first[i + 1] = first[i] + children[i].count();
-        const int made = first.back();
+        state.first.assign(state.children.size() + 1, 0);
+        for (std::size_t i = 0; i < state.children.size(); ++i)
+            state.first[i + 1] = state.first[i] + state.children[i].count();
+        const int made = state.first.back();
         const int refined = std::accumulate(level_.leaves.begin(), level_.leaves.end(), 0,
                                             [](int n, const Leaf& leaf) { return n + leaf.refined_count; });
         shrinking_ = float(std::sqrt(refined / double(refined + made)));
@@ -378,7 +395,16 @@ private:
             return false;
         }
         if (is_odd)
-            segments_ = divide_segments(segments_, thirds, first, before);
+            segments_ = divide_segments(segments_, state.thirds, state.first, before);
+        grow(state, is_last, progress.part(0.9, 1, progress_name_));
+        times.end();
+        return made > 0;
+    }
+
+    /// Appends what a step has made to the result and, unless it is the last, makes the next level of it.
+    void grow(const StepState& state, bool is_last, const Progress& progress)
+    {
+        const int made = state.first.back(), before = input_count_ + int(result_.points.size());
         const std::size_t old = result_.points.size();
         // Each half fills memory that nobody has touched yet.
         parallel_invoke(
@@ -390,7 +416,13 @@ private:
                 result_.parents.resize(old + std::size_t(made));
             },
             [&] { result_.radii.resize(old + std::size_t(made)); });
-        Growth growth{children, on_segments, first, next_radius, before, options_.target_radius / frame_.scale(), {}};
+        Growth growth{state.children,
+                      state.on_segments,
+                      state.first,
+                      state.next_radius,
+                      before,
+                      options_.target_radius / frame_.scale(),
+                      {}};
         if (!options_.fast && usable_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
             {
@@ -400,24 +432,21 @@ private:
         RadiusSummary radii(std::size_t(before + made));
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
                                 result_.radii.data() + old};
-        const Progress growing = progress.part(0.9, 1, progress_name_);
         if (is_last)
         {
-            append_children(level_, growth, frame_, appended, threads_, growing);
-            collect_radii([&](std::size_t i) { return next_radius[i]; });
-            radii.add(next_radius.data(), next_radius.size(), frame_.scale(), threads_);
+            append_children(level_, growth, frame_, appended, threads_, progress);
+            collect_radii([&](std::size_t i) { return state.next_radius[i]; });
+            radii.add(state.next_radius.data(), state.next_radius.size(), frame_.scale(), threads_);
             radii.add(appended.radii, std::size_t(made), 1, threads_);
         }
         else
         {
-            level_ = grow_level(level_, growth, frame_, appended, threads_, growing);
+            level_ = grow_level(level_, growth, frame_, appended, threads_, progress);
             radii.add(level_.rows[6].get(), level_.points.size(), frame_.scale(), threads_);
         }
         result_.steps.push_back({before + made, radii.smallest(), radii.largest(), radii.median(),
-                                 std::accumulate(open_gaps.begin(), open_gaps.end(), 0)});
+                                 std::accumulate(state.open_gaps.begin(), state.open_gaps.end(), 0)});
         usable_.reset(); // what follows lies between points that are dense enough
-        times.end();
-        return made > 0;
     }
 
     /// Radii of the points of the level go into the result.
