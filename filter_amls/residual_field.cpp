@@ -152,56 +152,47 @@ double believed_share(double agreed, double told)
     return told > 0 ? std::clamp(agreed / (confirmed_share * told), 0.0, 1.0) : 0;
 }
 
-/// Residuals of the samples that were moved. \param sample replaced: of each place.
-ResidualField list_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, std::vector<int>& sample)
+ResidualField list_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected,
+                             const std::vector<int>& moved)
 {
     ResidualField field;
-    for (std::size_t i = 0; i < projected.points.size(); ++i)
-        if (is_moved(projected.status[i]))
-        {
-            sample.push_back(int(i));
-            field.places.push_back(projected.points[i]);
-            field.normals.push_back(projected.normals[i]);
-            field.residuals.push_back(float((data.points[i] - projected.points[i]).dot(projected.normals[i])));
-        }
+    field.places.reserve(moved.size());
+    field.normals.reserve(moved.size());
+    field.residuals.reserve(moved.size());
+    for (const int m : moved)
+    {
+        const std::size_t i = std::size_t(m);
+        field.places.push_back(projected.points[i]);
+        field.normals.push_back(projected.normals[i]);
+        field.residuals.push_back(float((data.points[i] - projected.points[i]).dot(projected.normals[i])));
+    }
     field.search = BlockSearch(field.places);
     return field;
 }
 
-/// Trials at an even stride of the places.
-struct Trials
+std::vector<Trial> run_trials(const AmlsSurface::Data& data, const ResidualField& field, const TrialPlaces& places,
+                              int threads)
 {
-    Points places;
-    std::vector<Trial> results;
-};
-
-Trials run_trials(const AmlsSurface::Data& data, const ResidualField& field, const std::vector<int>& sample,
-                  int threads)
-{
-    const std::size_t n = field.places.size();
-    const std::size_t wanted = std::clamp<std::size_t>(n / points_per_trial, fewest_trials, most_trials);
-    const std::size_t stride = std::max<std::size_t>(1, n / wanted), count = (n + stride - 1) / stride;
-    Trials trials{Points(count), std::vector<Trial>(count)};
-    parallel_chunks(count, threads, 16, {},
+    std::vector<Trial> trials(places.count);
+    parallel_chunks(places.count, threads, 16, {},
                     [&](std::size_t begin, std::size_t end)
                     {
                         ErrorTeller teller(field);
                         for (std::size_t t = begin; t < end; ++t)
                         {
-                            const std::size_t i = t * stride;
+                            const std::size_t i = t * places.stride;
                             const LocalScale& scale =
-                                data.cells.scales[std::size_t(data.cells.cell_of_point[std::size_t(sample[i])])];
-                            trials.places[t] = field.places[i];
-                            teller.prepare(trials.places[t], window_cut * field.window * scale.width);
-                            teller.look_at(trials.places[t], field.normals[i], scale.width);
+                                data.cells.scales[std::size_t(data.cells.cell_of_point[std::size_t(places.moved[i])])];
+                            teller.prepare(field.places[i], window_cut * field.window * scale.width);
+                            teller.look_at(field.places[i], field.normals[i], scale.width);
                             teller.divide();
                             for (std::size_t k = 0; k < robust_scales.size(); ++k)
                             {
                                 const auto by_half = [&](int half)
                                 { return teller.error_by_half(half, scale.sigma, robust_scales[k]) / scale.sigma; };
                                 const double all = teller.error_by_all(scale.sigma, robust_scales[k]) / scale.sigma;
-                                trials.results[t].agreed[k] = by_half(0) * by_half(1);
-                                trials.results[t].told[k] = all * all;
+                                trials[t].agreed[k] = by_half(0) * by_half(1);
+                                trials[t].told[k] = all * all;
                             }
                         }
                     });
@@ -238,47 +229,68 @@ BestScale choose_best_scale(const std::vector<Trial>& trials)
 }
 
 /// What share of the error told around each trial is true: by those near by and, for less, by all.
-std::vector<float> list_shares(const Trials& trials, const BlockSearch& search, const BestScale& best, int threads)
+std::vector<float> list_shares(const std::vector<Trial>& trials, const TrialPlaces& places, const BestScale& best)
 {
-    std::vector<float> shares(trials.results.size());
-    parallel_for(
-        shares.size(), threads, {},
-        [&](std::size_t t)
+    std::vector<float> shares(trials.size());
+    for (std::size_t t = 0; t < trials.size(); ++t)
+    {
+        double a = global_trials * best.agreed, b = global_trials * best.told;
+        for (std::size_t k = 0; k < places.pooled; ++k)
         {
-            int near[pooled_trials];
-            double squared[pooled_trials];
-            const int found = search.nearest(trials.places[t], pooled_trials, near, squared);
-            double a = global_trials * best.agreed, b = global_trials * best.told;
-            for (int k = 0; k < found; ++k)
-            {
-                a += trials.results[std::size_t(near[k])].agreed[best.candidate];
-                b += trials.results[std::size_t(near[k])].told[best.candidate];
-            }
-            shares[t] = float(believed_share(a, b));
-        },
-        64);
+            const Trial& other = trials[std::size_t(places.near[t * places.pooled + k])];
+            a += other.agreed[best.candidate];
+            b += other.told[best.candidate];
+        }
+        shares[t] = float(believed_share(a, b));
+    }
     return shares;
 }
 
 } // namespace
 
-ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, double window,
-                                int threads)
+TrialPlaces::TrialPlaces(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads)
 {
-    std::vector<int> sample;
-    ResidualField field = list_residuals(data, projected, sample);
+    for (std::size_t i = 0; i < projected.points.size(); ++i)
+        if (is_moved(projected.status[i]))
+            moved.push_back(int(i));
+    const std::size_t n = moved.size();
+    const std::size_t wanted = std::clamp<std::size_t>(n / points_per_trial, fewest_trials, most_trials);
+    stride = std::max<std::size_t>(1, n / wanted);
+    count = (n + stride - 1) / stride;
+    pooled = std::min<std::size_t>(count, pooled_trials);
+    if (count == 0)
+        return;
+    Points places;
+    for (std::size_t i = 0; i < n; i += stride)
+        places.push_back(projected.points[std::size_t(moved[i])]);
+    const BlockSearch search(places);
+    near.resize(count * pooled);
+    parallel_for(
+        count, threads, {},
+        [&](std::size_t t)
+        {
+            double squared[pooled_trials];
+            search.nearest(places[t], int(pooled), &near[t * pooled], squared);
+        },
+        64);
+    of_cell.resize(std::size_t(data.cells.size()));
+    parallel_for(
+        of_cell.size(), threads, {}, [&](std::size_t c) { of_cell[c] = search.nearest(data.cells.means[c]); }, 1024);
+}
+
+ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected,
+                                const TrialPlaces& places, double window, int threads)
+{
+    ResidualField field = list_residuals(data, projected, places.moved);
     field.window = window;
-    const Trials trials = run_trials(data, field, sample, threads);
-    const BestScale best = choose_best_scale(trials.results);
+    const std::vector<Trial> trials = run_trials(data, field, places, threads);
+    const BestScale best = choose_best_scale(trials);
     field.robust_scale = robust_scales[best.candidate];
-    const BlockSearch search(trials.places);
-    const std::vector<float> shares = list_shares(trials, search, best, threads);
+    const std::vector<float> shares = list_shares(trials, places, best);
     if (std::all_of(shares.begin(), shares.end(), [](float share) { return share == 0; }))
         return {};
-    field.shares.resize(std::size_t(data.cells.size()));
-    parallel_for(
-        field.shares.size(), threads, {},
-        [&](std::size_t c) { field.shares[c] = shares[std::size_t(search.nearest(data.cells.means[c]))]; }, 1024);
+    for (const int t : places.of_cell)
+        field.shares.push_back(shares[std::size_t(t)]);
     return field;
 }
 
@@ -316,9 +328,10 @@ std::vector<ResidualField> measure_residuals_in_passes(const AmlsSurface::Data& 
                                                        int threads)
 {
     std::vector<ResidualField> fields;
+    const TrialPlaces places(data, projected, threads);
     for (const double window : windows)
     {
-        ResidualField field = measure_residuals(data, projected, window, threads);
+        ResidualField field = measure_residuals(data, projected, places, window, threads);
         if (field.empty())
             break;
         correct_by_residuals(data, field, data.cells.cell_of_point, projected, threads);

@@ -27,10 +27,24 @@ struct ResidualField
     bool empty() const { return places.empty(); }
 };
 
+/// Where it is tried whether two halves of the samples agree: an even stride of those that were moved. Corrections move
+/// them by less than a sigma, so that all passes share what is near.
+struct TrialPlaces
+{
+    /// \param projected the samples on the surface, all in the unit frame.
+    TrialPlaces(const AmlsSurface::Data& data, const AmlsProjection& projected, int threads);
+
+    std::vector<int> moved;            ///< Samples that were moved; each stride-th is a trial's place.
+    std::size_t stride = 1, count = 0; ///< Count of trials.
+    std::size_t pooled = 0;            ///< Trials that share their verdict [count].
+    std::vector<int> near;             ///< So many for each trial: the nearest, itself among them.
+    std::vector<int> of_cell;          ///< The nearest trial, per cell.
+};
+
 /// Empty where residuals tell nothing: two halves of the samples do not agree on the error.
 /// \param projected the samples on the surface, all in the unit frame. \param window [widths].
-ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected, double window,
-                                int threads);
+ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected,
+                                const TrialPlaces& places, double window, int threads);
 
 /// Moves the points that were moved by what the surface errs there. \param cells of the points.
 void correct_by_residuals(const AmlsSurface::Data& data, const ResidualField& field, const std::vector<int>& cells,

@@ -35,7 +35,7 @@ double rms_after_correction(const AmlsSurface& surface, AmlsProjection projected
     AmlsSurface::Data data(surface.data().frame);
     data.points = surface.data().points;
     data.cells = surface.data().cells;
-    const ResidualField field = measure_residuals(data, projected, 0.4, 1);
+    const ResidualField field = measure_residuals(data, projected, TrialPlaces(data, projected, 1), 0.4, 1);
     if (!field.empty())
         correct_by_residuals(data, field, data.cells.cell_of_point, projected, 1);
     return rms(projected.points, &data.frame);
