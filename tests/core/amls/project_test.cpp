@@ -126,6 +126,22 @@ TEST(AmlsProjection, SharpErrsLessAtCreasesAndAsMuchElsewhere)
                 1, 0.01);
 }
 
+TEST(AmlsProjection, FacesTheRightWayAtRims)
+{
+    // Where cells' normals lie across the rim: 1,182 are wrong with the cells' own sides.
+    constexpr int n = 5000;
+    int wrong = 0;
+    for (const std::uint64_t seed : {1, 2})
+    {
+        const OrientedSamples lens = shapes::ellipsoid(n, Vector(1, 1, 0.12), seed);
+        const Points points = shapes::with_noisy_copies(lens.points, 0.03, 4, seed + 5);
+        const AmlsProjection moved = project_to_amls(points, build_amls_surface(points));
+        for (std::size_t i = 0; i < points.size(); ++i)
+            wrong += !(moved.normals[i].dot(lens.normals[i < n ? i : (i - n) / 4]) > 0);
+    }
+    EXPECT_LT(wrong, 1110);
+}
+
 TEST(AmlsProjection, LeavesBothSidesOfAThinPlateWhereTheyAre)
 {
     // One sample a unit of area, noise of a tenth of the wall's thickness or more.
