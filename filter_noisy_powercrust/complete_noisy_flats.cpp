@@ -4,6 +4,7 @@
 #include "keep_apart.h"
 #include "noisy_faces.h"
 #include "noisy_walls.h"
+#include "way_out.h"
 
 #include <recon/median.h>
 #include <recon/neighbours.h>
@@ -42,17 +43,19 @@ public:
     {
         rim_normals_.assign(found.rims.size(), Vector::Zero());
         std::vector<FlatFace> faces;
-        for (FlatFace face : sort_by_area(found))
+        const std::vector<FlatFace> walled = list_walled(found);
+        const WayOut way_out(found, walled, samples_, noise_);
+        for (FlatFace face : walled)
         {
             if (is_explained(face, found.rims))
                 continue;
-            const bool is_sure = turn_outward(face, found.rims);
-            bool is_face = raise_walls(face, found.rims);
+            const bool is_sure = turn_outward(face, found.rims, way_out);
+            bool is_face = raise_walls(face, found.rims, is_sure);
             // Else solid is where walls are.
             if (!is_face && !is_sure)
             {
                 turn(face);
-                is_face = raise_walls(face, found.rims);
+                is_face = raise_walls(face, found.rims, false);
             }
             if (!is_face)
                 continue;
@@ -88,6 +91,43 @@ private:
             result_.is_replaced[i] = 1;
     }
 
+    /// Faces that have walls along enough of their rims, on whichever side, the largest first.
+    std::vector<FlatFace> list_walled(const NoisyFaces& found)
+    {
+        std::vector<FlatFace> result;
+        for (FlatFace& face : sort_by_area(found))
+        {
+            double length = 0, walled = 0;
+            for (const RimWall& wall : find_walls(face, list_rim_loops(face, found.rims), found.rims))
+            {
+                length += wall.length;
+                walled += wall.side != 0 ? wall.length : 0;
+            }
+            if (walled >= least_walled * length)
+                result.push_back(std::move(face));
+        }
+        return result;
+    }
+
+    std::vector<RimWall> find_walls(const FlatFace& face, const std::vector<RimLoop>& loops, const Points& rims)
+    {
+        const double outline = find_outline(loops);
+        std::vector<RimWall> walls;
+        walls.reserve(loops.size());
+        for (const RimLoop& loop : loops)
+            walls.push_back(walls_.find(face, loop, rims, loop.box < outline));
+        return walls;
+    }
+
+    /// Box of the loop around all others.
+    static double find_outline(const std::vector<RimLoop>& loops)
+    {
+        double outline = 0;
+        for (const RimLoop& loop : loops)
+            outline = std::max(outline, loop.box);
+        return outline;
+    }
+
     static std::vector<FlatFace> sort_by_area(const NoisyFaces& found)
     {
         std::vector<std::pair<double, std::size_t>> order;
@@ -117,9 +157,18 @@ private:
         return double(near) > explained * double(face.rim.size());
     }
 
-    /// By what the denoised samples around the rims say together; each alone knows little. \returns whether they agree.
-    bool turn_outward(FlatFace& face, const Points& rims) const
+    /// By where straight lines get away; else by what the denoised samples around the rims say together: each alone
+    /// knows little, and beyond bare walls all may be wrong. \returns whether one of these tells.
+    bool turn_outward(FlatFace& face, const Points& rims, const WayOut& way_out) const
     {
+        std::vector<double> spacings;
+        for (const RimLoop& loop : list_rim_loops(face, rims))
+            spacings.push_back(spacing_of(loop, rims));
+        const int way = way_out.find(face, std::max(replaced_within * noise_, median(std::move(spacings))));
+        if (way < 0)
+            turn(face);
+        if (way != 0)
+            return true;
         double along = 0;
         for (const int v : face.rim)
             along += normals_[sample_search_.nearest(rims[v])].dot(face.normal);
@@ -135,22 +184,24 @@ private:
             std::swap(t[0], t[1]);
     }
 
-    /// \returns whether most of the face's rim has walls, so that it is a face.
-    bool raise_walls(const FlatFace& face, const Points& rims)
+    /// \param is_sure whether the outside is known. Then walls that rise over the outline of a face count as well, as
+    /// over the ground of a pocket, if bores show the solid below; a disc may be the end of a void as well as of a
+    /// solid. \returns whether most of the face's rim has walls, so that it is a face.
+    bool raise_walls(const FlatFace& face, const Points& rims, bool is_sure)
     {
         const std::vector<RimLoop> loops = list_rim_loops(face, rims);
-        double outline = 0;
-        for (const RimLoop& loop : loops)
-            outline = std::max(outline, loop.box);
-        std::vector<RimWall> walls;
-        double length = 0, walled = 0;
-        for (const RimLoop& loop : loops)
+        std::vector<RimWall> walls = find_walls(face, loops, rims);
+        const double outline = find_outline(loops);
+        bool is_bored = false;
+        double length = 0, below = 0, above = 0;
+        for (std::size_t k = 0; k < loops.size(); ++k)
         {
-            walls.push_back(walls_.find(face, loop, rims, loop.box < outline));
-            length += walls.back().length;
-            walled += walls.back().side < 0 ? walls.back().length : 0;
+            is_bored |= loops[k].box < outline && walls[k].side < 0;
+            length += walls[k].length;
+            below += walls[k].side < 0 ? walls[k].length : 0;
+            above += walls[k].side > 0 ? walls[k].length : 0;
         }
-        if (walled < least_walled * length)
+        if (below + (is_sure && is_bored ? above : 0) < least_walled * length)
             return false;
         // Most of the rim has walls of one height: there the opposite face lies, as of a prism.
         double depth = 0, most = least_walled * length;
@@ -225,14 +276,15 @@ private:
             for (int j = 0; j < 2 * pieces; ++j)
             {
                 const double t = 0.5 * j / pieces;
-                raise(a + t * (b - a), ((1 - t) * first + t * second).normalized(),
+                const Vector away = ((1 - t) * first + t * second).normalized();
+                raise(a + t * (b - a) + wall.out * away, away,
                       wall.steps.empty() ? wall.height : wall.steps[edge[t < 0.5 ? 0 : 1]]);
             }
         }
     }
 
     /// Median distance of neighbours on a rim.
-    double spacing_of(const RimLoop& loop, const Points& rims) const
+    static double spacing_of(const RimLoop& loop, const Points& rims)
     {
         std::vector<double> lengths;
         for (const auto& edge : loop.edges)

@@ -21,6 +21,12 @@ namespace
 constexpr double share_of_tops = 0.75, level_top = 3.5;
 /// Farthest from the straight line that rises from a rim sample that the wall's other end lies [noise].
 constexpr double aside = 3;
+/// Beyond a bevel or fillet a wall stands so far off the face, and is no lower than this: less is the bevel [noise].
+constexpr double beyond_bevels[] = {0, 2, 4};
+constexpr double above_bevel = 7;
+/// Share of a rim's edges that are no longer than what two samples on the wall's other end may be apart: rims of a wall
+/// are divided alike, but one may be turned against the other.
+constexpr double usual_gap = 0.9;
 /// Of walls on both sides of a plane the lower one counts if the other is so many times as high.
 constexpr double one_sided = 1.5;
 /// Highest wall looked for [diagonals of the rim's box].
@@ -36,6 +42,17 @@ double measure_box(const std::vector<int>& rim, const Points& rims)
         high = high.cwiseMax(rims[v]);
     }
     return (high - low).norm();
+}
+
+/// What most neighbours on a rim are apart at most.
+double measure_gap(const RimLoop& loop, const Points& rims)
+{
+    std::vector<double> lengths;
+    for (const auto& [a, b] : loop.edges)
+        lengths.push_back((rims[loop.rim[a]] - rims[loop.rim[b]]).norm());
+    const auto place = lengths.begin() + std::ptrdiff_t(usual_gap * double(lengths.size() - 1));
+    std::nth_element(lengths.begin(), place, lengths.end());
+    return *place;
 }
 
 } // namespace
@@ -78,12 +95,26 @@ RimWall WallFinder::find(const FlatFace& face, const RimLoop& loop, const Points
     RimWall wall;
     for (const auto& edge : loop.edges)
         wall.length += (rims[loop.rim[edge[0]]] - rims[loop.rim[edge[1]]]).norm();
-    const double highest = highest_wall * loop.box;
-    const std::vector<double> tops_below = find_tops(loop, rims, -face.normal, highest),
-                              tops_above = find_tops(loop, rims, face.normal, highest);
-    const double below = find_height(tops_below), above = find_height(tops_above);
+    Reach reach{highest_wall * loop.box, beside_slab * noise_, 0, aside * noise_};
+    const std::vector<double> tops_below = find_tops(loop, rims, -face.normal, reach),
+                              tops_above = find_tops(loop, rims, face.normal, reach);
+    double below = find_height(tops_below), above = find_height(tops_above);
+    if (below == 0 && above == 0)
+    {
+        reach.lowest = above_bevel * noise_;
+        reach.along = std::max(reach.along, measure_gap(loop, rims));
+        for (const double out : beyond_bevels)
+        {
+            wall.out = reach.out = out * noise_;
+            below = find_height(find_tops(loop, rims, -face.normal, reach));
+            above = find_height(find_tops(loop, rims, face.normal, reach));
+            if (below > 0 || above > 0)
+                break;
+        }
+    }
     if (is_hole && below == 0 && above == 0)
     {
+        wall.out = 0;
         wall.steps = find_steps(loop, tops_below);
         if (!wall.steps.empty() && find_steps(loop, tops_above).empty())
         {
@@ -104,11 +135,12 @@ RimWall WallFinder::find(const FlatFace& face, const RimLoop& loop, const Points
     for (int round = 0; round < 3; ++round)
     {
         std::vector<double> heights;
-        for (const int v : loop.rim)
+        for (std::size_t k = 0; k < loop.rim.size(); ++k)
         {
-            search_.within(rims[v] + wall.height * up, level_top * noise_, near_);
+            const Point foot = rims[loop.rim[k]] + wall.out * loop.away[k];
+            search_.within(foot + wall.height * up, level_top * noise_, near_);
             for (const int i : near_)
-                heights.push_back((points_[i] - rims[v]).dot(up));
+                heights.push_back((points_[i] - foot).dot(up));
         }
         if (!heights.empty())
             wall.height = median(heights);
@@ -132,19 +164,24 @@ bool WallFinder::is_level(const RimWall& wall, double height) const
     return std::abs(wall.height - height) < level_top * noise_;
 }
 
-/// Heights of the first points straight along `up`, per rim sample; 0 where there are none.
-std::vector<double> WallFinder::find_tops(const RimLoop& loop, const Points& rims, const Vector& up, double highest)
+/// Heights of the first points along `up`, per rim sample; 0 where there are none.
+std::vector<double> WallFinder::find_tops(const RimLoop& loop, const Points& rims, const Vector& up, const Reach& reach)
 {
     std::vector<double> tops;
-    for (const int v : loop.rim)
+    for (std::size_t k = 0; k < loop.rim.size(); ++k)
     {
-        search_.within(rims[v] + 0.5 * highest * up, 0.5 * highest + aside * noise_, near_);
+        const Vector& away = loop.away[k];
+        // Where two rims meet no direction leads along one.
+        const double along = away.isZero() ? aside * noise_ : reach.along;
+        const Point foot = rims[loop.rim[k]] + reach.out * away;
+        search_.within(foot + 0.5 * reach.highest * up, 0.5 * reach.highest + along, near_);
         double least = 1e300;
         for (const int i : near_)
         {
-            const Vector offset = points_[i] - rims[v];
-            const double height = offset.dot(up);
-            if (height > beside_slab * noise_ && (offset - height * up).norm() < aside * noise_)
+            const Vector offset = points_[i] - foot;
+            const double height = offset.dot(up), off = offset.dot(away);
+            const Vector beside = offset - height * up;
+            if (height > reach.lowest && beside.norm() < along && std::abs(off) < aside * noise_)
                 least = std::min(least, height);
         }
         tops.push_back(least < 1e300 ? least : 0);

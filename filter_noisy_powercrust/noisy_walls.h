@@ -28,6 +28,7 @@ struct RimWall
     double height = 0;              ///< 0 = none [length].
     double side = 0;                ///< -1 where it falls off below the face, 1 where it rises over it.
     double length = 0;              ///< Of the loop.
+    double out = 0;                 ///< It stands so far off the face, beyond a bevel or a fillet [length].
     std::vector<double> steps = {}; ///< Heights at the rim samples if they differ.
 };
 
@@ -48,7 +49,15 @@ public:
     bool is_level(const RimWall& wall, double height) const;
 
 private:
-    std::vector<double> find_tops(const RimLoop& loop, const Points& rims, const Vector& up, double highest);
+    /// Where the other end of a wall is looked for.
+    struct Reach
+    {
+        double highest = 0, lowest = 0; ///< Over the rim [length].
+        double out = 0;                 ///< Off the face [length].
+        double along = 0;               ///< To both sides along the rim [length].
+    };
+
+    std::vector<double> find_tops(const RimLoop& loop, const Points& rims, const Vector& up, const Reach& reach);
     double find_height(const std::vector<double>& tops) const;
     std::vector<double> find_steps(const RimLoop& loop, const std::vector<double>& tops) const;
 

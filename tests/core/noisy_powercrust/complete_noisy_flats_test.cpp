@@ -157,6 +157,51 @@ TEST(CompleteNoisyFlats, FacesBevelledByLittleMoreThanTheNoiseAreFound)
     }
 }
 
+TEST(CompleteNoisyFlats, GroundOfABoredPocketIsAFace)
+{
+    // A fillet of three sigma between ground and wall; the wall's other end is divided more coarsely.
+    constexpr double low = 0.1, high = 0.3, radius = 0.3, fillet = 3 * noise;
+    Points points;
+    for (const double z : {0.0, high})
+        append_ring(points, 0, 0, z, 0.45, 120);
+    append_ring(points, 0, 0, low, radius - fillet, 84);
+    append_ring(points, 0, 0, low + fillet, radius, 84);
+    append_ring(points, 0, 0, high, radius, 70);
+    for (const double z : {0.0, low})
+        for (int k = 0; k < bores; ++k)
+            append_ring(points, 0.15 * std::cos(pi / 2 * k), 0.15 * std::sin(pi / 2 * k), z, bore, 18);
+    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(points, noise, 4, 10));
+    int on_ground = 0, upward = 0;
+    for (std::size_t i = 0; i < flats.points.size(); ++i)
+        if (std::abs(flats.points[i].z() - low) < 2 * noise && flats.points[i].head<2>().norm() < 0.27)
+        {
+            ++on_ground;
+            upward += flats.normals[i].z() > 0.5; // less where a bore begins
+        }
+    EXPECT_GT(on_ground, 500); // 136 on the walls of the bores alone
+    EXPECT_GT(upward, 0.75 * on_ground);
+}
+
+TEST(CompleteNoisyFlats, OutsideIsWhereStraightLinesGetAwayWhateverTheNormalsSay)
+{
+    PreparedSamples cloud = prepare(shapes::with_noisy_copies(flange(), noise, 4, 1));
+    for (Vector& normal : cloud.normals)
+        normal = -normal;
+    const NoisyFlatCompletion flats = complete(cloud);
+    int on_faces = 0, outward = 0;
+    for (std::size_t i = 0; i < flats.points.size(); ++i)
+    {
+        const double height = flats.points[i].z() - 0.5 * thickness;
+        if (std::abs(std::abs(height) - 0.5 * thickness) < noise && std::abs(flats.normals[i].z()) > 0.9)
+        {
+            ++on_faces;
+            outward += flats.normals[i].z() * height > 0;
+        }
+    }
+    EXPECT_GT(on_faces, 200);
+    EXPECT_EQ(outward, on_faces);
+}
+
 TEST(CompleteNoisyFlats, FacesThatTheSamplesObjectToAreDropped)
 {
     // A channel's walls end beside its ground: with samples on all that passes for a face it has 1.75 of its volume.
