@@ -265,10 +265,10 @@ private:
         result.ball_threshold /= cloud.frame.scale();
         result.noise /= cloud.frame.scale();
         result.noise_taken = noise_ / cloud.frame.scale();
-        // A denoised cloud is sampled evenly. The crust of a clean one must go through the samples afterwards, see
-        // share_poles(), and it does so where it is smoothed.
+        // A denoised cloud is sampled evenly. The crust of a clean one goes through the samples afterwards, as it must,
+        // see share_poles().
         result.share_balls =
-            result.share_balls && (cloud.denoised || (options_.needs_surface && cloud.cleanness > well_sampled));
+            result.share_balls && (cloud.denoised || (!cloud.is_noisy && cloud.cleanness > well_sampled));
         return result;
     }
 

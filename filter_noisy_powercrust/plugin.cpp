@@ -35,11 +35,11 @@ plugin::ParameterTable<Options> table()
                 "below the "
                 "spacing of the points.")
         .flag("smooth", &Options::smooth, "Smooth",
-              "Vertices move to the points of a clean cloud, or onto the smooth surface of a noisy one; edges follow "
-              "creases. "
-              "The topology stays.")
+              "Vertices of a noisy cloud's crust move onto its smooth surface, and edges follow creases. The topology "
+              "stays. Clean clouds are not smoothed.")
         .flag("simplify", &Options::simplify, "Simplify",
-              "Collapse short edges, to about one vertex per point that the crust was made of. The topology stays.")
+              "Collapse short edges, to about one vertex per point that the crust was made of: at the point, with "
+              "edges along creases, if the cloud is clean. The topology stays.")
         .length(
             "trim_length", &Options::trim_length, "Trim",
             "Drop triangles that are farther than this from every point: opens what was closed over holes of the scan. "

@@ -132,8 +132,8 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
     crust.target_vertices = result.samples;
-    // Denoised samples lie on the AMLS surface already.
-    const bool through_samples = options.smooth && options.simplify && (cloud.denoised || !cloud.is_noisy);
+    // Clean samples lie on the surface, denoised ones on the AMLS surface.
+    const bool through_samples = options.simplify && (cloud.denoised ? options.smooth : !cloud.is_noisy);
     if (through_samples)
         crust.interpolated = &cloud.samples;
     crust.threads = labelling.threads;

@@ -131,7 +131,24 @@ TEST(NoisyPowerCrust, SharesBallsUnlessTheCrustHasToBeFine)
     EXPECT_LT(balls_per_sample(noisy, false, true), 1);
     EXPECT_GT(balls_per_sample(noisy, true, false), 1.5);
     EXPECT_LT(balls_per_sample(clean, true, true), 1);
-    EXPECT_GT(balls_per_sample(clean, false, true), 1.5);
+    EXPECT_LT(balls_per_sample(clean, false, true), 1);
+    EXPECT_GT(balls_per_sample(clean, true, false), 1.5);
+}
+
+TEST(NoisyPowerCrust, PassesThroughCleanPointsSmoothedOrNot)
+{
+    const Points points = shapes::torus(4000, 1, 0.35, 5).points;
+    for (const bool smooth : {true, false})
+    {
+        NoisyPowerCrustOptions options;
+        options.smooth = smooth;
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points, options);
+        int on_points = 0;
+        for (std::size_t v = 0; v < crust.mesh.vertices.size(); ++v)
+            on_points += (crust.mesh.vertices[v] - points[crust.nearest_sample[v]]).norm() < 1e-12;
+        EXPECT_GT(on_points, 0.995 * double(points.size()));
+        EXPECT_LT(crust.mesh.vertices.size(), 1.005 * double(points.size()));
+    }
 }
 
 TEST(NoisyPowerCrust, WallsThinnerThanTwoSpacingsAreNoNoise)
