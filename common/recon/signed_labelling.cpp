@@ -262,11 +262,10 @@ void improve(const Rows& rows, const std::vector<char>& is_root, std::vector<Sid
     }
 }
 
-std::vector<Side> contract(const SignedGraph& graph)
+/// \param forest clusters to begin with; `root` in one of them, -1 if there is none.
+std::vector<Side> contract(const SignedGraph& graph, ParityForest forest, int root)
 {
     const int n = graph.nodes;
-    int root = -1;
-    ParityForest forest = join_certain(graph, root);
 
     // The graph between clusters. Neighbour lists may name pairs that are gone; the weights know.
     std::vector<SignedEdge> sorted;
@@ -339,11 +338,10 @@ std::vector<Side> contract(const SignedGraph& graph)
     return labels;
 }
 
-std::vector<Side> threshold_potential(const SignedGraph& graph)
+/// Of the root 1; above 0 is outer. 0 for all if there is no root.
+std::vector<double> find_potential(const SignedGraph& graph, ParityForest& forest, int root)
 {
     const int n = graph.nodes;
-    int root = -1;
-    ParityForest forest = join_certain(graph, root);
     std::vector<int> unknown(std::size_t(n), -1);
     int unknowns = 0, ignored = 0;
     const int root_cluster = root < 0 ? -1 : forest.find(root, ignored);
@@ -377,28 +375,57 @@ std::vector<Side> threshold_potential(const SignedGraph& graph)
     solver.setMaxIterations(1000);
     solver.compute(laplacian);
     const Eigen::VectorXd potential = solver.solve(right);
-    std::vector<Side> labels(std::size_t(n), Side::outer);
+    std::vector<double> result(std::size_t(n), 1);
     for (int i = 0; i < n; ++i)
     {
         const int cluster = forest.find(i, ignored);
-        if (cluster != root_cluster && !(potential[unknown[cluster]] > 0))
-            labels[i] = Side::inner;
+        if (cluster != root_cluster)
+            result[i] = potential[unknown[cluster]];
     }
+    return result;
+}
+
+std::vector<Side> threshold(const std::vector<double>& potential)
+{
+    std::vector<Side> labels;
+    for (const double p : potential)
+        labels.push_back(p > 0 ? Side::outer : Side::inner);
     return labels;
+}
+
+/// Joins the nodes on which the potential leaves no doubt, those of either side.
+void join_clear(const std::vector<double>& potential, ParityForest& forest, int root)
+{
+    constexpr double clear = 0.5; // nearer to a side than to the middle
+    int inner = -1, ignored = 0;
+    for (int i = 0; i < int(potential.size()); ++i)
+    {
+        if (!(std::abs(potential[i]) > clear))
+            continue;
+        int& side = potential[i] > 0 ? root : inner;
+        side = side < 0 ? i : side;
+        const int a = forest.find(side, ignored), b = forest.find(i, ignored);
+        if (a != b)
+            forest.hang(std::max(a, b), std::min(a, b), 0);
+    }
 }
 
 } // namespace
 
 std::vector<Side> label_by_contraction(const SignedGraph& graph)
 {
-    std::vector<Side> labels = contract(graph);
+    int root = -1;
+    ParityForest forest = join_certain(graph, root);
+    std::vector<Side> labels = contract(graph, std::move(forest), root);
     improve_labels(graph, labels);
     return labels;
 }
 
 std::vector<Side> label_by_potential(const SignedGraph& graph)
 {
-    std::vector<Side> labels = threshold_potential(graph);
+    int root = -1;
+    ParityForest forest = join_certain(graph, root);
+    std::vector<Side> labels = threshold(find_potential(graph, forest, root));
     improve_labels(graph, labels);
     return labels;
 }
@@ -406,23 +433,26 @@ std::vector<Side> label_by_potential(const SignedGraph& graph)
 std::vector<Side> label_by_best(const SignedGraph& graph, int threads)
 {
     const Rows rows(graph, threads);
-    std::vector<Side> labels, others;
+    int root = -1;
+    ParityForest forest = join_certain(graph, root);
+    const std::vector<double> potential = find_potential(graph, forest, root);
+    std::vector<Side> labels = threshold(potential), others;
     double energy = 0, energy_of_others = 0;
     parallel_invoke(
         threads,
         [&]
         {
-            labels = contract(graph);
-            improve(rows, graph.is_root, labels);
-            energy = measure_energy(graph, labels);
+            join_clear(potential, forest, root);
+            others = contract(graph, std::move(forest), root);
+            improve(rows, graph.is_root, others);
+            energy_of_others = measure_energy(graph, others);
         },
         [&]
         {
-            others = threshold_potential(graph);
-            improve(rows, graph.is_root, others);
-            energy_of_others = measure_energy(graph, others);
+            improve(rows, graph.is_root, labels);
+            energy = measure_energy(graph, labels);
         });
-    return energy_of_others < energy ? others : labels;
+    return energy < energy_of_others ? labels : others;
 }
 
 void improve_labels(const SignedGraph& graph, std::vector<Side>& labels, int threads)
