@@ -24,8 +24,8 @@ constexpr double least_weight = 1e-6;                     // below it no anchor 
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
 constexpr double foreign_motion = 1.5; // distances from the cloud, of a point that was not among the samples
-constexpr double domain = 0.9;     // local feature sizes from which Newton's method on I returns (figure 11, measured)
-constexpr double unresolved = 0.5; // spacings: samples do not tell closer detail
+constexpr double domain = 0.9; // local feature sizes from which Newton's method on I returns (figure 11, measured)
+constexpr double unresolved = 1, unresolved_in_mesh = 0.5;   // spacings: samples do not tell closer detail
 constexpr int asked_neighbours = 6, agreeing_neighbours = 2; // that tell an edge from an outlier
 constexpr double agreeing_motion = 0.1, agreeing_noise = 2.5,
                  neighbour_distance = 4; // share of the motion; sigmas; spacings
@@ -347,7 +347,8 @@ private:
     bool is_detail(const Point& sample, const Vector& motion, const LocalScale& scale)
     {
         const double squared_motion = motion.squaredNorm();
-        if (squared_motion * scale.density < unresolved * unresolved)
+        const double close = options_.sharp ? unresolved : unresolved_in_mesh;
+        if (squared_motion * scale.density < close * close)
             return true;
         int near[asked_neighbours + 1];
         double squared[asked_neighbours + 1];
