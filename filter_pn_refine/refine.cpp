@@ -221,9 +221,12 @@ private:
     bool put_into_voids(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
                         const Progress& progress)
     {
+        // Who gives a radius says how wide a void is that has to stay.
+        if (options_.initial_radius > 0 || options_.target_radius > 0)
+            return false;
         const auto may_start = [&](std::size_t i) { return !is_frozen(usable.input[i]); };
         result_.void_points =
-            put_in(usable, sample_voids(usable, fans, spacing, slack_, may_start, threads_, progress), false);
+            put_in_if_allowed(usable, sample_voids(usable, fans, spacing, slack_, may_start, threads_, progress));
         return result_.void_points > 0;
     }
 
@@ -233,7 +236,7 @@ private:
     {
         const auto may_start = [&](std::size_t i) { return !is_frozen(usable.input[i]); };
         const int made =
-            put_in(usable, sample_folds(usable, fans, spacing, slack_, may_start, threads_, progress), false);
+            put_in_if_allowed(usable, sample_folds(usable, fans, spacing, slack_, may_start, threads_, progress));
         result_.fold_points += made;
         return made > 0;
     }
@@ -254,6 +257,13 @@ private:
             fill_holes(usable, fans, options_.boundary_angle * radians, options_.hole_radius / frame_.scale(), refine);
         result_.hole_points = put_in(usable, fill, false);
         return result_.hole_points > 0;
+    }
+
+    /// Does as put_in(), unless that would be more than `max_points`.
+    int put_in_if_allowed(UsableSamples& usable, const AddedSamples& made)
+    {
+        const std::size_t all = std::size_t(input_count_) + result_.points.size() + made.samples.points.size();
+        return all > std::size_t(options_.max_points) ? 0 : put_in(usable, made, false);
     }
 
     /// Adds made samples to the result and to what is refined. \returns how many.

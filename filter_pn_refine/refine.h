@@ -72,7 +72,8 @@ struct PnRefinement
     /// first.
     int crease_points = 0;
     int hole_points = 0; ///< Points put into holes before the first step; they come next.
-    int void_points = 0; ///< Points put into voids between samples, before the first step; they come after those.
+    int void_points = 0; ///< Points put into voids between samples, before the first step; they come after those. None
+                         ///< if initial_radius or target_radius are given.
     int fold_points = 0; ///< Points put into folds that the samples show too sparsely; they come after those.
     int left_out = 0;    ///< Input points that took no part: duplicates, without normal, isolated.
     std::vector<std::pair<std::string, double>> seconds; ///< Per phase.

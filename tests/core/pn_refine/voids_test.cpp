@@ -44,6 +44,18 @@ double largest_gap(const Points& surface, Points cloud, const PnRefinement& refi
     return largest;
 }
 
+TEST(Voids, StayWhereTheUserSetsLimits)
+{
+    const OrientedSamples sphere = shapes::sphere(500, 1, 11);
+    EXPECT_GT(refine_points(sphere, one_thread(1)).void_points, 0);
+    PnRefineOptions few = one_thread(1), given = one_thread(1), target = one_thread(1);
+    few.max_points = 500;
+    given.initial_radius = 2;
+    target.target_radius = 2;
+    for (const PnRefineOptions& options : {few, given, target})
+        EXPECT_EQ(refine_points(sphere, options).points.size(), 0u);
+}
+
 TEST(Voids, LeaveNoGapAfterTheFirstStep)
 {
     // Without samples in them 1.88 spacings are left on this sphere, and up to 1.86 on three of these ten tori.
