@@ -114,8 +114,11 @@ int main(int argc, char** argv)
             begin_row();
             report("raw crust", crust(), model, truth, true_points);
             options.simplify = true;
-            begin_row();
-            report("simplified", crust(), model, truth, true_points);
+            if (std::atof(sigma.c_str()) > 0) // without noise this is the default
+            {
+                begin_row();
+                report("simplified", crust(), model, truth, true_points);
+            }
             options.smooth = true;
             begin_row();
             report("default", crust(), model, truth, true_points);
