@@ -44,8 +44,8 @@ std::vector<Side> label_by_contraction(const SignedGraph& graph);
 std::vector<Side> label_by_potential(const SignedGraph& graph);
 
 /// The labels with less contradicted weight of those from the potential and from contraction of what the potential
-/// leaves open, a few nodes of a hundred: of 0.5 at most. Contraction from nothing comes no lower and takes longer.
-/// `threads` >= 1 here and below; the result does not depend on it.
+/// leaves open, which is nodes of 0.5 at most: less than a third of those of easy clouds. Contraction from nothing
+/// hardly ever comes lower and takes longer. `threads` >= 1 here and below; the result does not depend on it.
 std::vector<Side> label_by_best(const SignedGraph& graph, int threads = 1);
 
 /// Changes sides of single nodes (never the root) while that lowers the violated weight.
