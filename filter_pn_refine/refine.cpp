@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -217,6 +218,11 @@ private:
         fans = find_fans(usable, {}, &fans, is_changed);
     }
 
+    std::function<bool(std::size_t)> may_start(const UsableSamples& usable) const
+    {
+        return [&](std::size_t i) { return !is_frozen(usable.input[i]); };
+    }
+
     /// Puts points into voids. \returns false if there are none.
     bool put_into_voids(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
                         const Progress& progress)
@@ -224,9 +230,8 @@ private:
         // Who gives a radius says how wide a void is that has to stay.
         if (options_.initial_radius > 0 || options_.target_radius > 0)
             return false;
-        const auto may_start = [&](std::size_t i) { return !is_frozen(usable.input[i]); };
-        result_.void_points =
-            put_in_if_allowed(usable, sample_voids(usable, fans, spacing, slack_, may_start, threads_, progress));
+        result_.void_points = put_in_if_allowed(
+            usable, sample_voids(usable, fans, spacing, slack_, may_start(usable), threads_, progress));
         return result_.void_points > 0;
     }
 
@@ -234,9 +239,8 @@ private:
     bool put_into_folds(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
                         const Progress& progress)
     {
-        const auto may_start = [&](std::size_t i) { return !is_frozen(usable.input[i]); };
-        const int made =
-            put_in_if_allowed(usable, sample_folds(usable, fans, spacing, slack_, may_start, threads_, progress));
+        const int made = put_in_if_allowed(
+            usable, sample_folds(usable, fans, spacing, slack_, may_start(usable), threads_, progress));
         result_.fold_points += made;
         return made > 0;
     }

@@ -4,13 +4,13 @@
 #include "pn_triangle.h"
 #include "sample_surface.h"
 
+#include <recon/disjoint_sets.h>
 #include <recon/parallel.h>
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace recon::pn
 {
@@ -143,22 +143,16 @@ std::vector<ProposedSample> leave_out_slits(std::vector<ProposedSample> proposed
             sides.push_back({low, high, int(i)});
         }
     std::sort(sides.begin(), sides.end());
-    std::vector<int> group(proposed.size()), size(proposed.size(), 0);
-    std::iota(group.begin(), group.end(), 0);
-    const auto group_of = [&](int i)
-    {
-        while (group[std::size_t(i)] != i)
-            i = group[std::size_t(i)] = group[std::size_t(group[std::size_t(i)])];
-        return i;
-    };
+    DisjointSets rows(proposed.size());
     for (std::size_t k = 1; k < sides.size(); ++k)
         if (sides[k][0] == sides[k - 1][0] && sides[k][1] == sides[k - 1][1])
-            group[std::size_t(group_of(sides[k][2]))] = group_of(sides[k - 1][2]);
+            rows.join(sides[k][2], sides[k - 1][2]);
+    std::vector<int> size(proposed.size(), 0);
     for (std::size_t i = 0; i < proposed.size(); ++i)
-        ++size[std::size_t(group_of(int(i)))];
+        ++size[std::size_t(rows.find(int(i)))];
     std::vector<ProposedSample> kept;
     for (std::size_t i = 0; i < proposed.size(); ++i)
-        if (size[std::size_t(group_of(int(i)))] <= longest_row)
+        if (size[std::size_t(rows.find(int(i)))] <= longest_row)
             kept.push_back(proposed[i]);
     return kept;
 }

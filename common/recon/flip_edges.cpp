@@ -116,6 +116,7 @@ private:
         e.is_delaunay = sees_delaunay(e.a, e.b, e.c, e.d, e.left->area, e.right->area);
         return e;
     }
+
     /// The triangles beside an edge after its flip.
     struct Flip
     {

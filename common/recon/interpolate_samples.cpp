@@ -68,29 +68,25 @@ public:
         for (int round = 0; round < rounds; ++round)
         {
             changed_.assign(std::size_t(mesh_.vertices()), 0);
-            const int before = mesh_.vertices();
-            const int moved = move_to_seats();
+            move_to_seats();
             insert_missing();
             changed_.resize(std::size_t(mesh_.vertices()), 1);
-            if (moved == 0 && mesh_.vertices() == before)
+            if (std::find(changed_.begin(), changed_.end(), 1) == changed_.end())
                 break;
             flip_edges(mesh_, flips, round == 0 ? nullptr : &changed_);
         }
     }
 
 private:
-    int move_to_seats()
+    void move_to_seats()
     {
-        int moved = 0;
         for (int v = 0; v < int(seats_.size()); ++v)
             if (const int sample = seats_[v]; sample >= 0 && !is_vertex_[sample] && is_near(v, samples_[sample]))
             {
                 is_vertex_[sample] = mesh_.move(v, samples_[sample]);
                 // Half the way may do, and edges flip before the other half.
                 changed_[v] = is_vertex_[sample] || mesh_.move(v, (samples_[sample] + mesh_.position(v)) / 2);
-                moved += changed_[v];
             }
-        return moved;
     }
 
     bool is_near(int v, const Point& sample) const

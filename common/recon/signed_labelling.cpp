@@ -44,6 +44,15 @@ public:
         }
         return root;
     }
+    /// Makes the labels of a and b equal, if they are in different clusters.
+    void join(int a, int b)
+    {
+        int ignored = 0;
+        a = find(a, ignored);
+        b = find(b, ignored);
+        if (a != b)
+            hang(std::max(a, b), std::min(a, b), 0);
+    }
     /// Both must be representatives.
     void hang(int child, int parent, int parity)
     {
@@ -182,23 +191,15 @@ struct Rows
 ParityForest join_certain(const SignedGraph& graph, int& root)
 {
     ParityForest forest(graph.nodes);
-    const auto join = [&](int a, int b)
-    {
-        int ignored = 0;
-        a = forest.find(a, ignored);
-        b = forest.find(b, ignored);
-        if (a != b)
-            forest.hang(std::max(a, b), std::min(a, b), 0);
-    };
     root = -1;
     for (int i = 0; i < graph.nodes; ++i)
         if (graph.is_root[i])
         {
             root = root < 0 ? i : root;
-            join(root, i);
+            forest.join(root, i);
         }
     for (const auto& pair : graph.merged)
-        join(pair[0], pair[1]);
+        forest.join(pair[0], pair[1]);
     return forest;
 }
 
@@ -397,16 +398,14 @@ std::vector<Side> threshold(const std::vector<double>& potential)
 void join_clear(const std::vector<double>& potential, ParityForest& forest, int root)
 {
     constexpr double clear = 0.5; // nearer to a side than to the middle
-    int inner = -1, ignored = 0;
+    int inner = -1;
     for (int i = 0; i < int(potential.size()); ++i)
     {
         if (!(std::abs(potential[i]) > clear))
             continue;
         int& side = potential[i] > 0 ? root : inner;
         side = side < 0 ? i : side;
-        const int a = forest.find(side, ignored), b = forest.find(i, ignored);
-        if (a != b)
-            forest.hang(std::max(a, b), std::min(a, b), 0);
+        forest.join(side, i);
     }
 }
 
