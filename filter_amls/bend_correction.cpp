@@ -1,11 +1,11 @@
 #include "bend_correction.h"
 
 #include "runs.h"
-#include "simd.h"
 
 #include <recon/block_search.h>
 #include <recon/median.h>
 #include <recon/parallel.h>
+#include <recon/simd.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,9 @@
 #include "cell_sides.h"
 
 #include "runs.h"
-#include "simd.h"
 #include "weighted_sums.h"
+
+#include <recon/simd.h>
 
 #include <algorithm>
 

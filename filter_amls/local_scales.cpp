@@ -1,11 +1,11 @@
 #include "local_scales.h"
 
-#include "simd.h"
 #include "weighted_sums.h"
 
 #include <recon/block_search.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/simd.h>
 
 #include <algorithm>
 #include <array>

@@ -2,11 +2,11 @@
 
 #include "residual_field.h"
 #include "runs.h"
-#include "simd.h"
 #include "surface_data.h"
 
 #include <recon/errors.h>
 #include <recon/parallel.h>
+#include <recon/simd.h>
 #include <recon/spatial_order.h>
 
 #include <algorithm>

@@ -1,12 +1,12 @@
 #include "residual_field.h"
 
 #include "runs.h"
-#include "simd.h"
 #include "surface_data.h"
 #include "weighted_sums.h"
 
 #include <recon/parallel.h>
 #include <recon/scramble.h>
+#include <recon/simd.h>
 
 #include <algorithm>
 #include <array>

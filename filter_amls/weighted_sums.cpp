@@ -1,6 +1,6 @@
 #include "weighted_sums.h"
 
-#include "simd.h"
+#include <recon/simd.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

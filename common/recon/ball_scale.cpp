@@ -108,18 +108,21 @@ SampleSpacing measure_spacing(const Points& samples, const BlockSearch& search, 
     result.mates.resize(m, {-1, -1, -1});
     result.eighth.resize(m);
     result.fine.resize(m);
-    parallel_for(m, threads, {},
-                 [&](std::size_t i)
-                 {
-                     constexpr int around = 9;
-                     int indices[around];
-                     double squared[around];
-                     const int found = search.nearest(samples[result.subset[i]], around, indices, squared);
-                     for (int j = 1; j < std::min(found, 4); ++j)
-                         result.mates[i][j - 1] = indices[j];
-                     result.eighth[i] = std::sqrt(squared[found - 1]);
-                     result.fine[i] = spread(squared, std::min(found, fine_count + 1));
-                 });
+    const auto measure = [&](std::size_t begin, std::size_t end)
+    {
+        constexpr int around = 9;
+        int indices[around];
+        double squared[around], reach = 0;
+        for (std::size_t i = begin; i < end; ++i)
+        {
+            const int found = search.nearest(samples[result.subset[i]], around, indices, squared, reach);
+            for (int j = 1; j < std::min(found, 4); ++j)
+                result.mates[i][j - 1] = indices[j];
+            result.eighth[i] = std::sqrt(squared[found - 1]);
+            result.fine[i] = spread(squared, std::min(found, fine_count + 1));
+        }
+    };
+    parallel_chunks(m, threads, 256, {}, measure);
     result.search = BlockSearch(points_at(result.subset, samples));
     result.nearest.resize(samples.size());
     parallel_for(samples.size(), threads, {},

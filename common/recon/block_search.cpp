@@ -2,6 +2,8 @@
 
 #include <recon/vector_clones.h>
 
+#include <boost/container/small_vector.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -100,8 +102,41 @@ struct Candidate
     }
 };
 
+using Candidates = boost::container::small_vector<Candidate, 96>;
+
+/// The squared distances of the points of a leaf beside the query.
 RECON_VECTOR_CLONES
-void collect_candidates(const Tree& tree, const double* q, double limit, std::vector<Candidate>* candidates)
+void measure_leaf_beside(const Tree& tree, const double* q, double* squared)
+{
+    double d[fan];
+    int at = 0;
+    for (int level = tree.level_count - 1; level >= 0; --level)
+    {
+        measure_boxes(tree.levels[level][at], q, d);
+        int least = 0;
+        for (int j = 1; j < fan; ++j)
+            least = d[j] < d[least] ? j : least;
+        at = at * fan + least;
+    }
+    measure_points(tree.leaves[at], q, squared);
+}
+
+/// Distance within which there are about k points: that of the k-th in a leaf beside the query, widened where a leaf
+/// has fewer.
+double guess_reach(const Tree& tree, const double* q, int k)
+{
+    double d[fan];
+    measure_leaf_beside(tree, q, d);
+    std::sort(d, d + fan);
+    int wanted = std::min(k, fan);
+    while (d[wanted - 1] == infinity) // the last leaf is not full
+        --wanted;
+    constexpr double rounding = 1 + 1e-9;
+    return rounding * std::sqrt(d[wanted - 1] * k / wanted);
+}
+
+RECON_VECTOR_CLONES
+void collect_candidates(const Tree& tree, const double* q, double limit, Candidates* candidates)
 {
     visit_leaves(tree, q, limit,
                  [&](int first, const double* d) RECON_INLINE_LAMBDA
@@ -190,10 +225,10 @@ int BlockSearch::nearest(const Point& query, int k, int* indices, double* square
     if (k == 0)
         return 0;
     const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size())};
-    std::vector<Candidate> candidates;
-    candidates.reserve(std::size_t(3 * k));
-    double radius = reach > 0 ? reach : spacing_ * std::sqrt(double(k));
-    for (; int(candidates.size()) < k; radius *= 1.5)
+    Candidates candidates;
+    // Boxes overlap, so the leaf may be one that only passes by.
+    double radius = reach > 0 ? reach : std::min(guess_reach(tree, query.data(), k), spacing_ * std::sqrt(double(k)));
+    for (; int(candidates.size()) < k; radius = radius > 0 ? 1.5 * radius : spacing_)
     {
         candidates.clear();
         collect_candidates(tree, query.data(), limit_of(radius), &candidates);

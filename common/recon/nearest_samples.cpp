@@ -2,7 +2,7 @@
 
 #include <recon/block_search.h>
 #include <recon/parallel.h>
-#include <recon/vector_clones.h>
+#include <recon/simd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace recon
 namespace
 {
 
-/// Some samples, ascending, as columns that end in a multiple of 8, infinitely far ones at the end.
+/// Some samples, ascending, as columns that end in whole lanes, infinitely far ones at the end.
 struct Candidates
 {
     std::vector<int> index;
@@ -22,7 +22,7 @@ struct Candidates
     void gather(const Points& samples)
     {
         constexpr double infinity = std::numeric_limits<double>::infinity();
-        const std::size_t padded = (index.size() + 7) / 8 * 8;
+        const std::size_t padded = std::size_t(simd::padded(int(index.size())));
         for (auto* column : {&x, &y, &z})
             column->assign(padded, infinity);
         for (std::size_t k = 0; k < index.size(); ++k)
@@ -44,26 +44,19 @@ void find_nearest(const Point* points, int count, const Candidates& candidates, 
     for (int i = 0; i < count; ++i)
     {
         const double px = points[i].x(), py = points[i].y(), pz = points[i].z();
-        double least[8];
-        int at[8];
-        for (int j = 0; j < 8; ++j)
+        simd::Lanes least = std::numeric_limits<double>::infinity() - simd::Lanes{}, at{};
+        for (int k = 0; k < n; k += simd::lane_count)
         {
-            least[j] = std::numeric_limits<double>::infinity();
-            at[j] = 0;
+            const simd::Lanes dx = simd::load(x + k) - px, dy = simd::load(y + k) - py, dz = simd::load(z + k) - pz;
+            const simd::Lanes d = dx * dx + dy * dy + dz * dz;
+            at = d < least ? double(k) - simd::Lanes{} : at;
+            least = d < least ? d : least;
         }
-        for (int k = 0; k < n; k += 8)
-            for (int j = 0; j < 8; ++j)
-            {
-                const double dx = x[k + j] - px, dy = y[k + j] - py, dz = z[k + j] - pz;
-                const double d = dx * dx + dy * dy + dz * dz;
-                at[j] = d < least[j] ? k : at[j];
-                least[j] = d < least[j] ? d : least[j];
-            }
         int best = 0;
-        for (int j = 1; j < 8; ++j)
+        for (int j = 1; j < simd::lane_count; ++j)
             if (least[j] < least[best] || (least[j] == least[best] && at[j] + j < at[best] + best))
                 best = j;
-        nearest[i] = at[best] + best;
+        nearest[i] = int(at[best]) + best;
     }
 }
 

@@ -3,7 +3,8 @@
 // One source for several instruction sets: a function marked RECON_VECTOR_CLONES is compiled for SSE2, AVX2 and AVX-512
 // and the machine's best is chosen when the library is loaded (not under ThreadSanitizer, which is not ready by then).
 // What takes or returns vector types must be inlined into such a function (RECON_INLINE, RECON_INLINE_LAMBDA); a lambda
-// does not inherit its instruction set by itself.
+// does not inherit its instruction set by itself. A marked function returns nothing: where it returns a double, GCC 12
+// leaves out vzeroupper.
 
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) &&                           \
     !defined(__SANITIZE_THREAD__)

@@ -87,6 +87,17 @@ TEST(BlockSearch, PutsEqualPointsInOrder)
     }
 }
 
+// Where a whole leaf is one point, and where the cloud's own spacing says nothing, a first guess of the distance fails.
+TEST(BlockSearch, SearchesOnBeyondRepeatedPointsAndFromObjectsFarApart)
+{
+    Points points = shapes::sphere(300, 1, 5).points;
+    points.insert(points.end(), 24, Point(0, 0, 1));
+    for (const Point& p : shapes::sphere(20, 1e-4, 6).points)
+        points.push_back(p + Point(1e5, 0, 0));
+    compare_with_brute_force(in_spatial_order(points), {Point(0, 0, 1), Point(1e5, 0, 0), Point(3e4, 0, 0)}, "sorted");
+    compare_with_brute_force(points, {Point(0, 0, 1), Point(1e5, 0, 0), Point(3e4, 0, 0)}, "unsorted");
+}
+
 TEST(BlockSearch, HasNoNeighboursAmongNoPoints)
 {
     const BlockSearch none, empty{Points{}};
