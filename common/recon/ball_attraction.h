@@ -2,7 +2,7 @@
 
 #include <recon/polar_balls.h>
 #include <recon/progress.h>
-#include <recon/signed_labelling.h>
+#include <recon/signed_graph.h>
 #include <recon/triangulation.h>
 
 #include <vector>

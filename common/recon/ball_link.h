@@ -2,7 +2,7 @@
 
 #include <recon/disjoint_sets.h>
 #include <recon/parallel.h>
-#include <recon/signed_labelling.h>
+#include <recon/signed_graph.h>
 #include <recon/triangulation.h>
 
 #include <algorithm>

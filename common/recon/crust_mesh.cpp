@@ -195,11 +195,6 @@ TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads)
     return mesh;
 }
 
-TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads)
-{
-    return triangulate_polygons(list_crust_polygons(regular, labels, threads), threads);
-}
-
 MeshComponents find_components(const TriangleMesh& mesh)
 {
     DisjointSets sets(mesh.vertices.size());

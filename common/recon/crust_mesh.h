@@ -1,7 +1,7 @@
 #pragma once
 
 #include <recon/geometry.h>
-#include <recon/signed_labelling.h>
+#include <recon/signed_graph.h>
 #include <recon/triangulation.h>
 
 #include <vector>
@@ -26,9 +26,6 @@ CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vecto
 
 /// Polygons as fans of triangles, from the corner with the best worst one; their diagonals are faux edges.
 TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads = 1);
-
-/// Both.
-TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1);
 
 /// Connected components of a mesh by shared vertices: per triangle its component, numbered in order of first triangle.
 struct MeshComponents

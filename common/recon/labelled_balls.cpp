@@ -8,6 +8,8 @@
 #include <recon/opposite_votes.h>
 #include <recon/parallel.h>
 #include <recon/short_handles.h>
+#include <recon/signed_labelling.h>
+#include <recon/single_moves.h>
 
 #include <algorithm>
 #include <cmath>
@@ -284,7 +286,7 @@ double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samp
         for (const SignedEdge& vote : kept.votes)
             graph.edges.push_back({vote.a, vote.b, strength * vote.weight});
         if (oriented)
-            improve_labels(graph, labels, options.threads);
+            SingleMoves(graph, options.threads).improve(labels);
         else
             labels = label_by_best(graph, options.threads);
         violated = measure_violated_repulsion(kept.votes, labels).share();

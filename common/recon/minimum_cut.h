@@ -1,6 +1,6 @@
 #pragma once
 
-#include <recon/signed_labelling.h>
+#include <recon/signed_graph.h>
 
 #include <vector>
 

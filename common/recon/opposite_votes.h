@@ -3,7 +3,7 @@
 #include <recon/block_search.h>
 #include <recon/polar_balls.h>
 #include <recon/progress.h>
-#include <recon/signed_labelling.h>
+#include <recon/signed_graph.h>
 
 #include <vector>
 

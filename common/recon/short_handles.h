@@ -1,7 +1,7 @@
 #pragma once
 
 #include <recon/power_diagram.h>
-#include <recon/signed_labelling.h>
+#include <recon/signed_graph.h>
 #include <recon/triangulation.h>
 
 #include <vector>

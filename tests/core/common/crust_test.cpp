@@ -32,6 +32,11 @@ Side true_side(const Point& p)
     return std::hypot(p.head<2>().norm() - major, p.z()) < minor ? Side::inner : Side::outer;
 }
 
+TriangleMesh extract_crust(const Triangulation& regular, const std::vector<Side>& labels)
+{
+    return triangulate_polygons(list_crust_polygons(regular, labels));
+}
+
 } // namespace
 
 TEST(IntersectDiscWithPolygon, AgreesWithKnownAreas)
