@@ -76,7 +76,10 @@ struct PlantedTunnel
     {
         return remove_short_handles(regular, graph, balls, scale, measure_margins(graph, labels), options, labels);
     }
-    checks::MeshReport report() const { return checks::examine_mesh(extract_crust(regular, labels)); }
+    checks::MeshReport report() const
+    {
+        return checks::examine_mesh(triangulate_polygons(list_crust_polygons(regular, labels)));
+    }
 };
 
 } // namespace

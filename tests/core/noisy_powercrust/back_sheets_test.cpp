@@ -70,7 +70,7 @@ TEST(BackSheets, ABackMakesASlabOfIt)
     EXPECT_EQ(added, int(front.size()));
     ASSERT_EQ(scan.samples.size(), front.size() + std::size_t(added));
     const LabelledBalls labelled = label(scan);
-    const TriangleMesh crust = extract_crust(labelled.regular, labelled.labels);
+    const TriangleMesh crust = triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels));
     const checks::MeshReport report = checks::examine_mesh(crust);
     EXPECT_EQ(report.components, 1);
     EXPECT_EQ(report.genus(), 0);

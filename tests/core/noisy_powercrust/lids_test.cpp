@@ -73,7 +73,7 @@ LabelledBalls label(const Tray& tray, std::vector<int> opened = {})
 
 double measure_volume(const LabelledBalls& labelled)
 {
-    return checks::examine_mesh(extract_crust(labelled.regular, labelled.labels)).volume;
+    return checks::examine_mesh(triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels))).volume;
 }
 
 } // namespace
