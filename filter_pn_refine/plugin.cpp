@@ -56,7 +56,7 @@ plugin::ParameterTable<Options> table()
         .flag("repair_normals", &Options::repair_normals, "Repair normals",
               "Turns normals over that most neighbours contradict.")
         .count("max_points", &Options::max_points, "Largest number of points",
-               "A step that would make more points in all is not done.")
+               "What would make more points in all, a step or the filling of holes, is not done.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only",
               "Refines only around the selected vertices; the others are neighbours only.")
         .flag("into_new_layer", &Options::into_new_layer, "Into new layer",

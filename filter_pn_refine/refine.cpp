@@ -1,27 +1,17 @@
 #include "refine.h"
 
-#include "crease_detection.h"
 #include "crease_sides.h"
-#include "fold_samples.h"
-#include "hole_filling.h"
-#include "initial_fans.h"
-#include "normal_noise.h"
-#include "normal_repair.h"
+#include "prepare_input.h"
 #include "radius_summary.h"
 #include "refine_leaf.h"
 #include "sample_surface.h"
 #include "segments.h"
-#include "spacing.h"
-#include "usable_samples.h"
-#include "void_samples.h"
 
 #include <recon/errors.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <numeric>
 #include <optional>
 
@@ -31,8 +21,6 @@ namespace
 {
 
 using namespace pn;
-
-constexpr double radians = 0.017453292519943295;
 
 void check_options(const OrientedSamples& samples, const PnRefineOptions& options, const PnRefineHints& hints)
 {
@@ -70,24 +58,6 @@ Precision choose_precision(const PnRefineOptions& options)
     }
 }
 
-std::string count_of(int n, const std::string& one, const std::string& many)
-{
-    return std::to_string(n) + " " + (n == 1 ? one : many);
-}
-
-void warn_of_left_out(const UsableSamples& usable, PnRefinement& result)
-{
-    if (usable.without_normal > 0)
-        result.warnings.push_back(count_of(usable.without_normal, "point has", "points have") +
-                                  " no normal and took no part.");
-    if (usable.duplicates > 0)
-        result.warnings.push_back(count_of(usable.duplicates, "duplicate point", "duplicate points") +
-                                  " took no part.");
-    if (usable.isolated > 0)
-        result.warnings.push_back(count_of(usable.isolated, "isolated point", "isolated points") + " took no part.");
-    result.left_out = usable.without_normal + usable.duplicates + usable.isolated;
-}
-
 /// Radii for the first step: given, chosen for all, or from the fans.
 std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans& fans, const PnRefineOptions& options,
                                  const PnRefineHints& hints, double scale)
@@ -120,45 +90,11 @@ public:
     PnRefinement run(const OrientedSamples& input, const Progress& progress)
     {
         PhaseTimes times;
-        times.begin("prepare");
-        UsableSamples& usable = usable_.emplace();
-        choose_usable_samples(input, frame_, options_.crease_angle * radians, threads_,
-                              progress.part(0, 0.03, "choosing points"), usable);
-        warn_of_left_out(usable, result_);
-        if (usable.input.empty())
-            throw InvalidInput("No point has a normal: compute normals first.");
-        if (options_.repair_normals)
-            repair(usable, progress.part(0.03, 0.06, "normals"));
-        times.begin("radii");
-        if (options_.detect_creases)
-        {
-            result_.crease_points =
-                put_in(usable, detect_creases(usable, *usable.search, options_.crease_angle * radians), true);
-            update_nearest(usable, threads_);
-        }
-        InitialFans fans = find_fans(usable, progress.part(0.06, 0.12, "radii"));
-        if (options_.hole_radius > 0 && fill(usable, fans))
-            prepare_added(usable, fans);
-        std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads_);
-        if (!options_.fast)
-            slack_ = slack_of_gradients(estimate_normal_noise(usable));
-        if (!options_.fast && put_into_voids(usable, fans, spacing, progress.part(0.12, 0.125, "voids")))
-        {
-            prepare_added(usable, fans);
-            spacing = find_spacing(usable.samples, usable.nearest, threads_);
-        }
-        // Twice: what the first pass made shows the way to more.
-        for (int pass = 0; !options_.fast && pass < 2; ++pass)
-        {
-            if (!put_into_folds(usable, fans, spacing,
-                                progress.part(0.125 + 0.0125 * pass, 0.1375 + 0.0125 * pass, "folds")))
-                break;
-            prepare_added(usable, fans);
-            spacing = find_spacing(usable.samples, usable.nearest, threads_);
-        }
-        find_segments(usable, fans, spacing);
-        start(usable, spacing, choose_radii(usable, fans, options_, hints_, frame_.scale()));
-        usable.nearest = {};
+        Prepared& prepared = prepared_.emplace();
+        prepare_input(input, options_, hints_, frame_, threads_, progress.part(0, 0.15), times, prepared, result_);
+        find_segments(prepared);
+        start(prepared, choose_radii(prepared.usable, prepared.fans, options_, hints_, frame_.scale()));
+        prepared.usable.nearest = {};
         times.end();
 
         reserve_result();
@@ -194,125 +130,24 @@ private:
         result_.radii.reserve(n);
     }
 
-    void repair(UsableSamples& usable, const Progress& progress)
-    {
-        for (int i : turn_contradicting_normals(usable.samples, usable.nearest, threads_, progress))
-            result_.turned_normals.push_back(usable.input[std::size_t(i)]);
-        std::sort(result_.turned_normals.begin(), result_.turned_normals.end());
-        if (!result_.turned_normals.empty())
-            result_.warnings.push_back(count_of(int(result_.turned_normals.size()), "normal was", "normals were") +
-                                       " turned over, since most neighbours contradict.");
-    }
-
-    InitialFans find_fans(const UsableSamples& usable, const Progress& progress, const InitialFans* before = nullptr,
-                          const std::vector<char>& is_changed = {}) const
-    {
-        return find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease,
-                                 options_.crease_angle * radians, 1.5, threads_, progress, before, is_changed);
-    }
-
-    /// After samples have been added: those that the fans do not know.
-    void prepare_added(UsableSamples& usable, InitialFans& fans) const
-    {
-        const std::vector<char> is_changed = add_to_nearest(usable, fans.radius.size(), threads_);
-        fans = find_fans(usable, {}, &fans, is_changed);
-    }
-
-    std::function<bool(std::size_t)> may_start(const UsableSamples& usable) const
-    {
-        return [&](std::size_t i) { return !is_frozen(usable.input[i]); };
-    }
-
-    /// Puts points into voids. \returns false if there are none.
-    bool put_into_voids(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                        const Progress& progress)
-    {
-        // Who gives a radius says how wide a void is that has to stay.
-        if (options_.initial_radius > 0 || options_.target_radius > 0)
-            return false;
-        result_.void_points = put_in_if_allowed(
-            usable, sample_voids(usable, fans, spacing, slack_, may_start(usable), threads_, progress));
-        return result_.void_points > 0;
-    }
-
-    /// Puts points into folds. \returns false if there are none.
-    bool put_into_folds(UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                        const Progress& progress)
-    {
-        const int made = put_in_if_allowed(
-            usable, sample_folds(usable, fans, spacing, slack_, may_start(usable), threads_, progress));
-        result_.fold_points += made;
-        return made > 0;
-    }
-
-    /// Puts points into holes. \returns false if there is nothing to fill.
-    bool fill(UsableSamples& usable, const InitialFans& fans)
-    {
-        PnRefineOptions options;
-        options.preserve_boundaries = options.preserve_creases = options.repair_normals = false;
-        options.threads = threads_;
-        const auto refine = [&](const OrientedSamples& samples, int steps)
-        {
-            options.steps = steps;
-            PnRefinement r = refine_points(samples, options);
-            return Refined{std::move(r.points), std::move(r.normals), std::move(r.parents)};
-        };
-        const AddedSamples fill =
-            fill_holes(usable, fans, options_.boundary_angle * radians, options_.hole_radius / frame_.scale(), refine);
-        result_.hole_points = put_in(usable, fill, false);
-        return result_.hole_points > 0;
-    }
-
-    /// Does as put_in(), unless that would be more than `max_points`.
-    int put_in_if_allowed(UsableSamples& usable, const AddedSamples& made)
-    {
-        const std::size_t all = std::size_t(input_count_) + result_.points.size() + made.samples.points.size();
-        return all > std::size_t(options_.max_points) ? 0 : put_in(usable, made, false);
-    }
-
-    /// Adds made samples to the result and to what is refined. \returns how many.
-    int put_in(UsableSamples& usable, const AddedSamples& made, bool is_crease)
-    {
-        const int n = int(usable.input.size()), before = input_count_ + int(result_.points.size());
-        for (std::size_t i = 0; i < made.samples.points.size(); ++i)
-        {
-            std::array<int, 3> parents;
-            for (std::size_t m = 0; m < 3; ++m)
-                parents[m] = usable.input[std::size_t(made.parents[i][m])];
-            result_.points.push_back(frame_.from_unit(made.samples.points[i]));
-            result_.normals.push_back(made.samples.normals[i]);
-            result_.parents.push_back(parents);
-            usable.samples.points.push_back(made.samples.points[i]);
-            usable.samples.normals.push_back(made.samples.normals[i]);
-            usable.input.push_back(before + int(i));
-            usable.beside.push_back(made.parents[i][0]);
-            const bool is_shared = i > 0 && made.samples.points[i] == made.samples.points[i - 1];
-            usable.sharing.push_back(is_shared ? usable.sharing.back() : n + int(i));
-            usable.is_crease.push_back(is_crease);
-        }
-        return int(made.samples.points.size());
-    }
-
-    void find_segments(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing)
+    void find_segments(const Prepared& prepared)
     {
         if (options_.preserve_boundaries)
-            segments_ = find_boundary_segments(usable, fans, spacing, options_.boundary_angle * radians);
+            segments_ = find_boundary_segments(prepared.usable, prepared.fans, prepared.spacing,
+                                               options_.boundary_angle * radians);
         result_.boundary_segments = int(segments_.size());
         if (options_.preserve_creases)
         {
-            const std::vector<Segment> creases = find_crease_segments(usable, fans, options_.crease_angle * radians);
+            const std::vector<Segment> creases =
+                find_crease_segments(prepared.usable, prepared.fans, options_.crease_angle * radians);
             result_.crease_segments = int(creases.size());
             segments_.insert(segments_.end(), creases.begin(), creases.end());
         }
     }
 
-    bool is_frozen(int input) const
+    void start(const Prepared& prepared, const std::vector<double>& radii)
     {
-        return input < int(hints_.is_refined.size()) && !hints_.is_refined[std::size_t(input)];
-    }
-
-    void start(const UsableSamples& usable, const std::vector<float>& spacing, const std::vector<double>& radii)
-    {
+        const UsableSamples& usable = prepared.usable;
         const double target = options_.target_radius / frame_.scale();
         std::vector<WorkPoint> points(usable.input.size());
         const std::vector<int> sides = sides_of_faces(usable);
@@ -322,10 +157,10 @@ private:
             p.position = usable.samples.points[i];
             p.normal = usable.samples.normals[i];
             p.radius = float(radii[i]);
-            p.spacing = spacing[i];
+            p.spacing = prepared.spacing[i];
             p.id = usable.input[i];
-            p.flags = is_frozen(p.id) ? WorkPoint::frozen
-                                      : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
+            p.flags = is_frozen(hints_, p.id) ? WorkPoint::frozen
+                                              : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
                 p.flags |=
                     WorkPoint::crease | (sides[i] > 0 ? WorkPoint::above : 0u) | (sides[i] < 0 ? WorkPoint::below : 0u);
@@ -437,11 +272,11 @@ private:
                       before,
                       options_.target_radius / frame_.scale(),
                       {}};
-        if (!options_.fast && usable_)
+        if (!options_.fast && prepared_)
             growth.correct = [&](const std::array<int, 3>& corners, WorkPoint& made)
             {
                 const auto normal = [&](std::size_t m) { return &level_.points[std::size_t(corners[m])].normal; };
-                move_onto_sample_surface(*usable_, slack_, {normal(0), normal(1), normal(2)}, made);
+                move_onto_sample_surface(prepared_->usable, prepared_->slack, {normal(0), normal(1), normal(2)}, made);
             };
         RadiusSummary radii(std::size_t(before + made));
         const Appended appended{result_.points.data() + old, result_.normals.data() + old, result_.parents.data() + old,
@@ -460,7 +295,7 @@ private:
         }
         result_.steps.push_back({before + made, radii.smallest(), radii.largest(), radii.median(),
                                  std::accumulate(state.open_gaps.begin(), state.open_gaps.end(), 0)});
-        usable_.reset(); // what follows lies between points that are dense enough
+        prepared_.reset(); // what follows lies between points that are dense enough
     }
 
     /// Radii of the points of the level go into the result.
@@ -487,8 +322,7 @@ private:
     const int threads_;
     const int input_count_;
     const PnRefineHints& hints_;
-    std::optional<UsableSamples> usable_; ///< Until the first step is done.
-    double slack_ = 0;                    ///< Of a HermiteSurface's gradients.
+    std::optional<Prepared> prepared_; ///< Until the first step is done.
     Level level_;
     ChildrenMemory children_memory_;
     std::vector<Segment> segments_;

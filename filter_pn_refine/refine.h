@@ -35,7 +35,8 @@ struct PnRefineOptions
     bool preserve_boundaries = true; ///< Refines the rim along its own curve.
     bool preserve_creases = true;    ///< Refines creases along their own curve, with both normals.
     bool repair_normals = true;      ///< Turns normals that most neighbours contradict.
-    int max_points = 50000000;       ///< A step that would make more points in all is not done [count], >= 1.
+    int max_points = 50000000;       ///< What would make more points in all, a step or the filling of holes, voids and
+                                     ///< folds, is not done [count], >= 1.
     int threads = 0;                 ///< 0 = all cores. The result does not depend on it.
 };
 

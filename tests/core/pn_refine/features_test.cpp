@@ -276,6 +276,8 @@ TEST(Holes, AreFilledSmoothlyOnDemandOnly)
     for (const Point& p : shapes::sphere(20000, 1, 77).points)
         gap = std::max(gap, (all[std::size_t(search.nearest(p))] - p).norm());
     EXPECT_LT(gap, 3.5 * std::sqrt(12.566 / double(all.size())));
+    options.max_points = int(open.points.size());
+    EXPECT_EQ(refine_points(open, options).points.size(), 0u);
 }
 
 TEST(Normals, FlippedOnesAreFoundAndTurned)

@@ -198,6 +198,16 @@ TEST(Folds, AreLeftOpenWhereNothingIsRefined)
         EXPECT_GT(p.x(), -0.25);
 }
 
+TEST(Folds, StayOpenWherePointsAreLimited)
+{
+    const OrientedSamples samples = shapes::ellipsoid(1000, {1, 1, 0.06}, 2);
+    PnRefineOptions options = one_thread(0);
+    options.max_points = int(samples.points.size() + refine_points(samples, options).points.size());
+    EXPECT_GT(refine_points(samples, options).fold_points, 0);
+    options.max_points = int(samples.points.size());
+    EXPECT_EQ(refine_points(samples, options).points.size(), 0u);
+}
+
 TEST(Folds, TakeTheirAttributesFromSamplesAround)
 {
     const OrientedSamples samples = shapes::ellipsoid(1000, {1, 1, 0.06}, 2);

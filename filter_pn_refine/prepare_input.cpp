@@ -1,0 +1,207 @@
+#include "prepare_input.h"
+
+#include "crease_detection.h"
+#include "fold_samples.h"
+#include "hole_filling.h"
+#include "normal_noise.h"
+#include "normal_repair.h"
+#include "sample_surface.h"
+#include "spacing.h"
+#include "void_samples.h"
+
+#include <recon/errors.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <string>
+#include <utility>
+
+namespace recon::pn
+{
+namespace
+{
+
+std::string count_of(int n, const std::string& one, const std::string& many)
+{
+    return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+class Preparation
+{
+public:
+    Preparation(const OrientedSamples& input, const PnRefineOptions& options, const PnRefineHints& hints,
+                const UnitFrame& frame, int threads, Prepared& prepared, PnRefinement& result)
+        : input_(input), options_(options), hints_(hints), frame_(frame), threads_(threads), prepared_(prepared),
+          usable_(prepared.usable), result_(result)
+    {
+    }
+
+    void run(const Progress& progress, PhaseTimes& times)
+    {
+        times.begin("prepare");
+        choose(progress.part(0, 0.2, "choosing points"));
+        if (options_.repair_normals)
+            repair(progress.part(0.2, 0.4, "normals"));
+        times.begin("radii");
+        if (options_.detect_creases)
+            put_onto_creases();
+        find_fans(progress.part(0.4, 0.8, "radii"));
+        update_spacing();
+        if (options_.hole_radius > 0)
+            put_into_holes();
+        if (options_.fast)
+            return;
+        prepared_.slack = slack_of_gradients(estimate_normal_noise(usable_));
+        put_into_voids(progress.part(0.8, 0.83, "voids"));
+        // Twice: what the first pass made shows the way to more.
+        if (put_into_folds(progress.part(0.83, 0.915, "folds")))
+            put_into_folds(progress.part(0.915, 1, "folds"));
+    }
+
+private:
+    void choose(const Progress& progress)
+    {
+        choose_usable_samples(input_, frame_, crease_angle(), threads_, progress, usable_);
+        const auto warn = [&](int n, const std::string& one, const std::string& many)
+        {
+            if (n > 0)
+                result_.warnings.push_back(count_of(n, one, many) + " took no part.");
+        };
+        warn(usable_.without_normal, "point has no normal and", "points have no normal and");
+        warn(usable_.duplicates, "duplicate point", "duplicate points");
+        warn(usable_.isolated, "isolated point", "isolated points");
+        result_.left_out = usable_.without_normal + usable_.duplicates + usable_.isolated;
+        if (usable_.input.empty())
+            throw InvalidInput("No point has a normal: compute normals first.");
+    }
+
+    void repair(const Progress& progress)
+    {
+        for (int i : turn_contradicting_normals(usable_.samples, usable_.nearest, threads_, progress))
+            result_.turned_normals.push_back(usable_.input[std::size_t(i)]);
+        std::sort(result_.turned_normals.begin(), result_.turned_normals.end());
+        if (!result_.turned_normals.empty())
+            result_.warnings.push_back(count_of(int(result_.turned_normals.size()), "normal was", "normals were") +
+                                       " turned over, since most neighbours contradict.");
+    }
+
+    void put_onto_creases()
+    {
+        result_.crease_points = put_in(detect_creases(usable_, *usable_.search, crease_angle()), true);
+        update_nearest(usable_, threads_);
+    }
+
+    void put_into_holes()
+    {
+        PnRefineOptions options;
+        options.preserve_boundaries = options.preserve_creases = options.repair_normals = false;
+        options.threads = threads_;
+        const auto refine = [&](const OrientedSamples& samples, int steps)
+        {
+            options.steps = steps;
+            PnRefinement r = refine_points(samples, options);
+            return Refined{std::move(r.points), std::move(r.normals), std::move(r.parents)};
+        };
+        result_.hole_points = put_in_if_allowed(fill_holes(usable_, prepared_.fans, options_.boundary_angle * radians,
+                                                           options_.hole_radius / frame_.scale(), refine));
+    }
+
+    void put_into_voids(const Progress& progress)
+    {
+        // Who gives a radius says how wide a void is that has to stay.
+        if (options_.initial_radius > 0 || options_.target_radius > 0)
+            return;
+        result_.void_points = put_in_if_allowed(
+            sample_voids(usable_, prepared_.fans, prepared_.spacing, prepared_.slack, may_start(), threads_, progress));
+    }
+
+    /// \returns whether there were any.
+    bool put_into_folds(const Progress& progress)
+    {
+        const int made = put_in_if_allowed(
+            sample_folds(usable_, prepared_.fans, prepared_.spacing, prepared_.slack, may_start(), threads_, progress));
+        result_.fold_points += made;
+        return made > 0;
+    }
+
+    /// All of these, and fans and spacing as they become, unless there are none or it would be more than `max_points`.
+    /// \returns how many.
+    int put_in_if_allowed(const AddedSamples& made)
+    {
+        const std::size_t all = input_.points.size() + result_.points.size() + made.samples.points.size();
+        if (made.samples.points.empty() || all > std::size_t(options_.max_points))
+            return 0;
+        const int count = put_in(made, false);
+        update_fans();
+        update_spacing();
+        return count;
+    }
+
+    /// Adds made samples to the result and to what is refined. \returns how many.
+    int put_in(const AddedSamples& made, bool is_crease)
+    {
+        const int n = int(usable_.input.size()), before = int(input_.points.size() + result_.points.size());
+        for (std::size_t i = 0; i < made.samples.points.size(); ++i)
+        {
+            std::array<int, 3> parents;
+            for (std::size_t m = 0; m < 3; ++m)
+                parents[m] = usable_.input[std::size_t(made.parents[i][m])];
+            result_.points.push_back(frame_.from_unit(made.samples.points[i]));
+            result_.normals.push_back(made.samples.normals[i]);
+            result_.parents.push_back(parents);
+            usable_.samples.points.push_back(made.samples.points[i]);
+            usable_.samples.normals.push_back(made.samples.normals[i]);
+            usable_.input.push_back(before + int(i));
+            usable_.beside.push_back(made.parents[i][0]);
+            const bool is_shared = i > 0 && made.samples.points[i] == made.samples.points[i - 1];
+            usable_.sharing.push_back(is_shared ? usable_.sharing.back() : n + int(i));
+            usable_.is_crease.push_back(is_crease);
+        }
+        return int(made.samples.points.size());
+    }
+
+    void find_fans(const Progress& progress, const InitialFans* before = nullptr,
+                   const std::vector<char>& is_changed = {})
+    {
+        prepared_.fans = find_initial_fans(usable_.samples, *usable_.search, usable_.nearest, usable_.is_crease,
+                                           crease_angle(), 1.5, threads_, progress, before, is_changed);
+    }
+
+    /// After samples have been added: those that the fans do not know.
+    void update_fans()
+    {
+        const std::vector<char> is_changed = add_to_nearest(usable_, prepared_.fans.radius.size(), threads_);
+        const InitialFans before = std::move(prepared_.fans);
+        find_fans({}, &before, is_changed);
+    }
+
+    void update_spacing() { prepared_.spacing = find_spacing(usable_.samples, usable_.nearest, threads_); }
+
+    double crease_angle() const { return options_.crease_angle * radians; }
+
+    std::function<bool(std::size_t)> may_start() const
+    {
+        return [this](std::size_t i) { return !is_frozen(hints_, usable_.input[i]); };
+    }
+
+    const OrientedSamples& input_;
+    const PnRefineOptions& options_;
+    const PnRefineHints& hints_;
+    const UnitFrame& frame_;
+    const int threads_;
+    Prepared& prepared_;
+    UsableSamples& usable_; ///< Of `prepared_`.
+    PnRefinement& result_;
+};
+
+} // namespace
+
+void prepare_input(const OrientedSamples& input, const PnRefineOptions& options, const PnRefineHints& hints,
+                   const UnitFrame& frame, int threads, const Progress& progress, PhaseTimes& times, Prepared& prepared,
+                   PnRefinement& result)
+{
+    Preparation(input, options, hints, frame, threads, prepared, result).run(progress, times);
+}
+
+} // namespace recon::pn
