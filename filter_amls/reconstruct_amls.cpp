@@ -1,5 +1,6 @@
 #include "reconstruct_amls.h"
 
+#include "project.h"
 #include "sample_surface.h"
 #include "smooth_mesh.h"
 #include "surface_data.h"
@@ -28,30 +29,47 @@ constexpr double least_noise = 0.1, walls = 0.4;
 /// 0.18 and more with noise of a tenth of the spacing on any shape.
 constexpr double exact_whiteness = 0.15;
 
+/// Noise found below which the surface passes through an exact cloud, so that its normals are those of the points:
+/// domes, saddles and waves have up to .004, a bust whose folds it rounds off .08 [spacings].
+constexpr double resolved = 0.02;
+
 /// Isolated points farther from the others are no part of an exact cloud; nearer ones may be, where it is sparse
 /// [diagonals of the others].
 constexpr double strange_distance = 0.25;
 
-/// The distinct points in spatial order, but for isolated ones far from the others.
-Points points_without_strangers(const Points& points, const AmlsSurface::Data& data)
+/// The distinct points, in spatial order as indices of the input, but for isolated ones far from the others.
+std::vector<int> list_without_strangers(const Points& points, const AmlsSurface::Data& data)
 {
-    const auto point = [&](std::size_t i) { return points[std::size_t(data.spatial.order[i])]; };
     const auto is_isolated = [&](std::size_t i)
     { return data.cell_normals.kinds[std::size_t(data.cells.cell_of_point[i])] == CellKind::outlier; };
     const std::size_t n = data.points.size();
     Points others;
     for (std::size_t i = 0; i < n; ++i)
         if (!is_isolated(i))
-            others.push_back(point(i));
+            others.push_back(points[std::size_t(data.spatial.order[i])]);
     if (others.size() == n)
-        return others;
+        return data.spatial.order;
     const BlockSearch search(others);
     const double reach = strange_distance * UnitFrame(others).scale();
-    Points kept;
+    std::vector<int> kept;
     for (std::size_t i = 0; i < n; ++i)
-        if (!is_isolated(i) || (others[std::size_t(search.nearest(point(i)))] - point(i)).norm() <= reach)
-            kept.push_back(point(i));
+    {
+        const int k = data.spatial.order[i];
+        const Point& p = points[std::size_t(k)];
+        if (!is_isolated(i) || (others[std::size_t(search.nearest(p))] - p).norm() <= reach)
+            kept.push_back(k);
+    }
     return kept;
+}
+
+template <typename Values>
+Values pick(const Values& values, const std::vector<int>& indices)
+{
+    Values picked;
+    picked.reserve(indices.size());
+    for (const int i : indices)
+        picked.push_back(values[std::size_t(i)]);
+    return picked;
 }
 
 /// What a crust is made of, in a unit frame.
@@ -82,6 +100,53 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     return {frame, std::move(samples), std::move(labelled)};
 }
 
+/// Of the surface at the points, outward.
+Vectors list_normals(const Points& points, const AmlsSurface& surface, int threads)
+{
+    AmlsProjectionOptions options;
+    options.threads = threads;
+    options.sharp = false; // as for samples
+    return project_to_amls(points, surface, options).normals;
+}
+
+/// Whether the points, in a unit frame, are exact as far as can be told.
+bool looks_exact(const Points& unit, double least_noise_found, int threads)
+{
+    const Cleanness cleanness = measure_cleanness(unit, threads);
+    return cleanness.flat_neighbours > flat_share && !cleanness.is_smooth_but_noisy() &&
+           (least_noise_found < least_noise || least_noise_found > walls || cleanness.whiteness < exact_whiteness);
+}
+
+/// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
+/// not exact, or too open.
+std::optional<LabelledSamples> label_exact_points(const Points& points, const AmlsSurface& surface,
+                                                  const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                  int& outliers, const Progress& progress)
+{
+    times.begin("gate");
+    const std::vector<int> kept = list_without_strangers(points, surface.data());
+    const int isolated = int(surface.data().points.size() - kept.size());
+    Points distinct = pick(points, kept);
+    // Not that of all points, see label_surface().
+    const UnitFrame frame(isolated > 0 ? distinct : points);
+    distinct = frame.to_unit(distinct);
+    const AmlsSurfaceReport& report = surface.report();
+    if (!looks_exact(distinct, report.least_noise, labelling.threads))
+        return {};
+    LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0, 0.5, "polar balls"));
+    // So open a cloud, as a shallow dome, needs the surface's normals, which are those of the points where it passes
+    // through them.
+    if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)
+    {
+        const Vectors normals = pick(list_normals(points, surface, labelling.threads), kept);
+        labelled = label_polar_balls(distinct, normals, labelling, times, progress.part(0.5, 1, "polar balls"));
+    }
+    if (labelled.violated_votes > flooded_above)
+        return {};
+    outliers = isolated;
+    return LabelledSamples{frame, std::move(distinct), std::move(labelled)};
+}
+
 } // namespace
 
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
@@ -96,31 +161,9 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     BallLabellingOptions labelling;
     labelling.share_balls = true; // the crust goes through the samples
     labelling.threads = resolve_threads(options.threads);
-    times.begin("gate");
-    Points distinct = points_without_strangers(points, surface.data());
-    const int isolated = int(surface.data().points.size() - distinct.size());
-    // Not that of all points, see label_surface().
-    const UnitFrame frame(isolated > 0 ? distinct : points);
-    distinct = frame.to_unit(distinct);
-    // Exact points are themselves the best samples: walls thinner than the width have no other.
     std::optional<LabelledSamples> found;
-    const double noise = surface.report().least_noise;
-    const auto looks_exact = [&]
-    {
-        const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
-        return cleanness.flat_neighbours > flat_share && !cleanness.is_smooth_but_noisy() &&
-               (noise < least_noise || noise > walls || cleanness.whiteness < exact_whiteness);
-    };
-    if (options.noise == 0 && looks_exact())
-    {
-        LabelledBalls labelled =
-            label_polar_balls(distinct, {}, labelling, times, progress.part(0.3, 0.5, "polar balls"));
-        if (labelled.violated_votes <= flooded_above) // else points need the surface's normals
-        {
-            result.outliers = isolated;
-            found = LabelledSamples{frame, std::move(distinct), std::move(labelled)};
-        }
-    }
+    if (options.noise == 0)
+        found = label_exact_points(points, surface, labelling, times, result.outliers, progress.part(0.3, 0.5));
     const bool is_exact = found.has_value();
     if (!is_exact)
         found = label_surface(points, surface, labelling, times, result.outliers, progress.part(0.5, 0.75));

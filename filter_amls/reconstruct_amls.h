@@ -42,7 +42,8 @@ struct AmlsReconstruction
 /// and in place of Cocone a power crust of the projected, thinned points, told inside from outside by an exact cut with
 /// their normals. Its vertices are then projected onto I = 0; the topology stays. It is closed where the data closes,
 /// and over holes. A cloud without noise (cleanness.h) makes the crust as it is, which then passes through its points,
-/// unless it is so open that they do not tell inside from outside. \throws InvalidInput, AlgorithmFailure, Cancelled.
+/// unless it is so open that neither they nor the surface's normals tell inside from outside. \throws InvalidInput,
+/// AlgorithmFailure, Cancelled.
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options = {},
                                     const Progress& progress = {});
 

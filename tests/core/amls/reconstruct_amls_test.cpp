@@ -169,3 +169,21 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
     const Progress progress([&](double, const std::string&) { return ++calls < 8; });
     EXPECT_THROW(reconstruct_amls(shapes::sphere(2000, 1, 1).points, {}, progress), Cancelled);
 }
+
+TEST(ReconstructAmls, AShallowDomeOfExactPointsKeepsThem)
+{
+    // So open that its own crust is flooded.
+    Points cap;
+    const double height = 1 - std::cos(0.15);
+    for (const Point& p : shapes::sphere(200000, 1, 41).points)
+        if (p.z() > 1 - height)
+            cap.push_back(p);
+    ASSERT_GT(cap.size(), 800u);
+    const AmlsReconstruction result = reconstruct_amls(cap);
+    EXPECT_EQ(result.samples, int(cap.size()));
+    EXPECT_EQ(result.euler_characteristic, 2);
+    int off = 0;
+    for (const Point& v : result.mesh.vertices)
+        off += shapes::distance_to_sphere(v, 1) > 1e-3;
+    EXPECT_LT(off, int(cap.size() / 50));
+}
