@@ -131,6 +131,82 @@ void rescale_sparse_parts(Cells& cells, const BlockSearch& search, CellNormals& 
     }
 }
 
+/// Calls cells outliers that have no company, nor anyone near by who has.
+void find_outliers(const Cells& cells, const BlockSearch& search, CellNormals& result, int threads,
+                   const Progress& progress)
+{
+    parallel_chunks(std::size_t(cells.size()), threads, 1024, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> found;
+                        for (std::size_t c = begin; c < end; ++c)
+                        {
+                            if (result.company[c] >= isolated_company)
+                                continue;
+                            const LocalScale& scale = cells.scales[c];
+                            // Near others noise or detail may explain it.
+                            search.within(
+                                cells.means[c],
+                                std::max(stray_radius * scale.sigma,
+                                         detail_radius / std::sqrt(scale.density) + detail_sigmas * scale.sigma),
+                                found);
+                            if (std::none_of(found.begin(), found.end(),
+                                             [&](int i) { return result.company[i] >= isolated_company; }))
+                                result.kinds[c] = CellKind::outlier;
+                        }
+                    });
+}
+
+/// Per cell in the tails of the noise the neighbour that knows the surface better, -1 for others.
+std::vector<int> find_better_than_strays(const Cells& cells, const BlockSearch& search, const CellNormals& result,
+                                         int threads)
+{
+    std::vector<int> better(std::size_t(cells.size()), -1);
+    parallel_chunks(better.size(), threads, 1024, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> found;
+                        for (std::size_t c = begin; c < end; ++c)
+                        {
+                            if (result.kinds[c] == CellKind::outlier || result.mass[c] >= stray_mass)
+                                continue;
+                            const double sigma = cells.scales[c].sigma;
+                            search.within(cells.means[c], stray_radius * sigma, found);
+                            double largest = 0, best = 0;
+                            for (int i : found)
+                            {
+                                if (result.kinds[i] == CellKind::outlier)
+                                    continue;
+                                largest = std::max(largest, result.mass[i]);
+                                const double squared = (cells.means[i] - cells.means[c]).squaredNorm();
+                                const double score = result.mass[i] * std::exp(-squared / (8 * sigma * sigma));
+                                if (score > best)
+                                {
+                                    best = score;
+                                    better[c] = i;
+                                }
+                            }
+                            if (result.mass[c] >= stray_share * largest)
+                                better[c] = -1;
+                        }
+                    });
+    return better;
+}
+
+/// Strays take over normals and feet from regular cells only, so the order in which they are found does not matter.
+void replace_strays(const std::vector<int>& better, CellNormals& result)
+{
+    const Vectors normals = result.normals;
+    const Points feet = result.feet;
+    for (std::size_t c = 0; c < better.size(); ++c)
+        if (better[c] >= 0)
+        {
+            result.kinds[c] = CellKind::stray;
+            result.normals[c] = normals[better[c]];
+            result.feet[c] = feet[better[c]];
+        }
+}
+
 } // namespace
 
 Cells average_cells(const Points& points, const LocalScales& scales, int threads, const Progress& progress)
@@ -194,76 +270,13 @@ CellNormals estimate_cell_normals(Cells& cells, const BlockSearch& search, int t
 
     const std::vector<Run> runs =
         split_into_runs(cells.means, longest_run, [&](int i) { return run_radius * cells.scales[i].width; });
-    std::vector<std::uint8_t> isolated(n);
     visit_runs(
         runs, threads, progress.part(0, 0.8, "Normals"), [&] { return PlaneFitter(cells, search); },
         [&](PlaneFitter& fitter, const Run& run) { fitter.fit(run, result); });
 
     rescale_sparse_parts(cells, search, result, threads);
-    parallel_chunks(std::size_t(n), threads, 1024, progress.part(0.8, 1, "Normals"),
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        std::vector<int> found;
-                        for (std::size_t c = begin; c < end; ++c)
-                        {
-                            if (result.company[c] >= isolated_company)
-                                continue;
-                            const LocalScale& scale = cells.scales[c];
-                            // Near others noise or detail may explain it.
-                            search.within(
-                                cells.means[c],
-                                std::max(stray_radius * scale.sigma,
-                                         detail_radius / std::sqrt(scale.density) + detail_sigmas * scale.sigma),
-                                found);
-                            isolated[c] = std::none_of(found.begin(), found.end(),
-                                                       [&](int i) { return result.company[i] >= isolated_company; });
-                        }
-                    });
-    for (int c = 0; c < n; ++c)
-        if (isolated[c])
-            result.kinds[c] = CellKind::outlier;
-
-    // Strays take over from regular cells only, so the order in which they are found does not matter.
-    std::vector<int> better(n, -1);
-    parallel_chunks(std::size_t(n), threads, 1024, {},
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        std::vector<int> found;
-                        for (std::size_t c = begin; c < end; ++c)
-                        {
-                            if (isolated[c] || result.mass[c] >= stray_mass)
-                                continue;
-                            const double sigma = cells.scales[c].sigma;
-                            search.within(cells.means[c], stray_radius * sigma, found);
-                            double largest = 0, best = 0;
-                            for (int i : found)
-                            {
-                                if (isolated[i])
-                                    continue;
-                                largest = std::max(largest, result.mass[i]);
-                                const double squared = (cells.means[i] - cells.means[c]).squaredNorm();
-                                const double score = result.mass[i] * std::exp(-squared / (8 * sigma * sigma));
-                                if (score > best)
-                                {
-                                    best = score;
-                                    better[c] = i;
-                                }
-                            }
-                            if (result.mass[c] >= stray_share * largest)
-                                better[c] = -1;
-                        }
-                    });
-    for (int c = 0; c < n; ++c)
-        if (better[c] >= 0)
-            result.kinds[c] = CellKind::stray;
-    const Vectors normals = result.normals;
-    const Points feet = result.feet;
-    for (int c = 0; c < n; ++c)
-        if (better[c] >= 0)
-        {
-            result.normals[c] = normals[better[c]];
-            result.feet[c] = feet[better[c]];
-        }
+    find_outliers(cells, search, result, threads, progress.part(0.8, 1, "Normals"));
+    replace_strays(find_better_than_strays(cells, search, result, threads), result);
     return result;
 }
 
