@@ -1,12 +1,12 @@
 #include "project.h"
 
+#include "anchor_sums.h"
 #include "residual_field.h"
 #include "runs.h"
 #include "surface_data.h"
 
 #include <recon/errors.h>
 #include <recon/parallel.h>
-#include <recon/simd.h>
 #include <recon/spatial_order.h>
 
 #include <algorithm>
@@ -17,9 +17,6 @@ namespace recon
 namespace
 {
 
-using Lanes = simd::FloatLanes;
-
-constexpr double narrowing = 0.85;                        // of the widths: quadrics need less averaging than planes
 constexpr double least_weight = 1e-6;                     // below it no anchor is near
 constexpr int widenings = 2;                              // times the width is doubled then
 constexpr double motion_sigmas = 6, motion_widths = 0.05; // how far noise moves a point at most
@@ -28,155 +25,13 @@ constexpr double domain = 0.9; // local feature sizes from which Newton's method
 constexpr double unresolved = 1, unresolved_in_mesh = 0.5;   // spacings: samples do not tell closer detail
 constexpr int asked_neighbours = 6, agreeing_neighbours = 2; // that tell an edge from an outlier
 constexpr double agreeing_motion = 0.1, agreeing_noise = 2.5,
-                 neighbour_distance = 4; // share of the motion; sigmas; spacings
-constexpr double slack = 0.35;           // widths: how far a point may move before its anchors are gathered again
+                 neighbour_distance = 4;                      // share of the motion; sigmas; spacings
 constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
 /// Times 1 - cosine of the turn: how much stricter agreement is with anchors that face elsewhere.
 constexpr double turning = 3;
 constexpr double least_step = 1e-5; // widths: floats resolve 1e-7
-constexpr double uneven = 1.25;     // root of the ratio of neighbouring widths
 constexpr double run_radius = 0.65; // widths
 constexpr int longest_run = 64;
-
-/// Anchors near a ball of points, side by side for the vector units.
-class GatheredAnchors
-{
-public:
-    enum Field
-    {
-        x,
-        y,
-        z,
-        nx,
-        ny,
-        nz,
-        qxx,
-        qyy,
-        qzz,
-        qxy,
-        qxz,
-        qyz,
-        confidence,
-        inverse_width,
-        field_count
-    };
-
-    /// Those that count at points of up to `width` within `radius` of `centre`, and somewhat farther.
-    void gather(const AmlsSurface::Data& data, const Point& centre, double radius, double width, double cut_off)
-    {
-        centre_ = centre;
-        width_ = width * (1 + 1e-12);
-        radius_ = radius + slack * width;
-        const double reach = narrowing * cut_off;
-        data.anchor_search.within(centre, radius_ + reach * uneven * width, found_);
-        const auto is_beyond = [&](int i)
-        {
-            const Anchor& a = data.anchors[i];
-            const double farthest = radius_ + reach * std::sqrt(width_ * a.width);
-            return (a.position - centre).squaredNorm() > farthest * farthest;
-        };
-        found_.erase(std::remove_if(found_.begin(), found_.end(), is_beyond), found_.end());
-        stride_ = std::size_t(simd::padded(int(found_.size())));
-        values_.assign(stride_ * field_count, 0);
-        for (std::size_t i = 0; i < found_.size(); ++i)
-        {
-            const Anchor& a = data.anchors[found_[i]];
-            float* value = &values_[i];
-            for (int k = 0; k < 3; ++k)
-            {
-                value[(x + k) * stride_] = float(a.position[k] - centre[k]);
-                value[(nx + k) * stride_] = float(a.normal[k]);
-            }
-            for (int k = 0; k < 6; ++k)
-                value[(qxx + k) * stride_] = float(a.bending[k]);
-            value[confidence * stride_] = float(a.confidence);
-            value[inverse_width * stride_] = float(1 / (narrowing * narrowing * a.width));
-        }
-    }
-
-    /// Whether they suffice for a point.
-    bool suffice(const Point& p, double width) const { return width <= width_ && (p - centre_).norm() <= radius_; }
-
-    const float* values() const { return values_.data(); }
-    std::size_t stride() const { return stride_; }
-    const Point& centre() const { return centre_; } ///< Origin of their positions.
-
-private:
-    std::vector<int> found_;
-    std::vector<float> values_;
-    std::size_t stride_ = 0;
-    Point centre_ = Point::Zero();
-    double radius_ = 0, width_ = 0;
-};
-
-/// Which anchors agree with a point: those that pass it nearby, the nearer the less they face as the surface does
-/// there.
-struct Agreement
-{
-    float inverse_distance = 0; ///< 0: all do.
-    float normal[3] = {0, 0, 0};
-    float turning = 0;
-};
-
-/// W, sum theta d, sum theta grad d, and the number of anchors that count; smooth_gradient: wherever they face.
-struct Sums
-{
-    double weight, distance, gradient[3], smooth_gradient[3], count;
-};
-
-RECON_VECTOR_CLONES
-void sum_anchors(const float* values, std::size_t stride, const float* p, const float* side, float inverse_width,
-                 float cut, const Agreement& agreement, Sums* sums)
-{
-    using G = GatheredAnchors;
-    Lanes weight = {}, distance = {}, gx = {}, gy = {}, gz = {}, sx = {}, sy = {}, sz = {}, count = {};
-    const float* face = agreement.normal;
-    const float limit = cut * cut;
-    const Lanes zero = {}, one = zero + 1.0f, most = zero + 8.0f;
-    for (std::size_t i = 0; i < stride; i += simd::lane_count)
-    {
-        const float* v = values + i;
-        const Lanes ux = p[0] - simd::load(v + G::x * stride), uy = p[1] - simd::load(v + G::y * stride),
-                    uz = p[2] - simd::load(v + G::z * stride);
-        const Lanes nx = simd::load(v + G::nx * stride), ny = simd::load(v + G::ny * stride),
-                    nz = simd::load(v + G::nz * stride);
-        const Lanes e = (ux * ux + uy * uy + uz * uz) * (simd::load(v + G::inverse_width * stride) * inverse_width);
-        const Lanes facing = nx * side[0] + ny * side[1] + nz * side[2];
-        Lanes w = simd::load(v + G::confidence * stride) * simd::exp_negative(e < most ? e : most);
-        w = e <= limit ? w : zero;
-        w = facing > zero ? w : zero;
-        const Lanes qxy = simd::load(v + G::qxy * stride), qxz = simd::load(v + G::qxz * stride),
-                    qyz = simd::load(v + G::qyz * stride);
-        const Lanes qx = simd::load(v + G::qxx * stride) * ux + qxy * uy + qxz * uz,
-                    qy = qxy * ux + simd::load(v + G::qyy * stride) * uy + qyz * uz,
-                    qz = qxz * ux + qyz * uy + simd::load(v + G::qzz * stride) * uz;
-        const Lanes d = ux * (nx - qx) + uy * (ny - qy) + uz * (nz - qz);
-        const Lanes off = d * agreement.inverse_distance;
-        const Lanes turn = (one - (nx * face[0] + ny * face[1] + nz * face[2])) * agreement.turning;
-        const Lanes near = 1.0f / (1.0f + off * off), alike = 1.0f / (1.0f + off * off * (one + turn));
-        const Lanes smooth = w * near * near;
-        w *= alike * alike;
-        const Lanes dx = nx - 2.0f * qx, dy = ny - 2.0f * qy, dz = nz - 2.0f * qz;
-        weight += w;
-        distance += w * d;
-        gx += w * dx;
-        gy += w * dy;
-        gz += w * dz;
-        sx += smooth * dx;
-        sy += smooth * dy;
-        sz += smooth * dz;
-        count += w > zero ? one : zero;
-    }
-    sums->weight = simd::sum(weight);
-    sums->distance = simd::sum(distance);
-    sums->gradient[0] = simd::sum(gx);
-    sums->gradient[1] = simd::sum(gy);
-    sums->gradient[2] = simd::sum(gz);
-    sums->smooth_gradient[0] = simd::sum(sx);
-    sums->smooth_gradient[1] = simd::sum(sy);
-    sums->smooth_gradient[2] = simd::sum(sz);
-    sums->count = simd::sum(count);
-}
 
 /// Projects the points of a run.
 class Projector
@@ -284,7 +139,7 @@ private:
                 agreement.turning = options_.sharp ? float(turning) : 0;
                 Eigen::Vector3f::Map(agreement.normal) = gradient.normalized().cast<float>();
             }
-            Sums sums;
+            AnchorSums sums;
             sum_anchors(anchors->values(), anchors->stride(), local.data(), facing.data(), float(1 / width),
                         float(options_.cut_off), agreement, &sums);
             if (!(sums.weight >= least_weight))
@@ -328,7 +183,7 @@ private:
     /// Whether the surface at a place rests on anchors, and is not extrapolated.
     bool has_anchor(const Point& p, double width) const
     {
-        const double reach = narrowing * options_.cut_off * width;
+        const double reach = GatheredAnchors::narrowing * options_.cut_off * width;
         return (data_.anchor_positions[std::size_t(data_.anchor_search.nearest(p))] - p).squaredNorm() <= reach * reach;
     }
 
