@@ -43,25 +43,28 @@ public:
     {
         rim_normals_.assign(found.rims.size(), Vector::Zero());
         std::vector<FlatFace> faces;
-        const std::vector<FlatFace> walled = list_walled(found);
-        const WayOut way_out(found, walled, samples_, noise_);
-        for (FlatFace face : walled)
+        std::vector<WalledFace> walled = list_walled(found);
+        std::vector<FlatFace> bounded;
+        for (const WalledFace& entry : walled)
+            bounded.push_back(entry.face);
+        const WayOut way_out(found, bounded, samples_, noise_);
+        for (WalledFace& entry : walled)
         {
-            if (is_explained(face, found.rims))
+            if (is_explained(entry.face, found.rims))
                 continue;
-            const bool is_sure = turn_outward(face, found.rims, way_out);
-            bool is_face = raise_walls(face, found.rims, is_sure);
+            const bool is_sure = turn_outward(entry, found.rims, way_out);
+            bool is_face = raise_walls(entry, found.rims, is_sure);
             // Else solid is where walls are.
             if (!is_face && !is_sure)
             {
-                turn(face);
-                is_face = raise_walls(face, found.rims, false);
+                turn(entry, found.rims);
+                is_face = raise_walls(entry, found.rims, false);
             }
             if (!is_face)
                 continue;
-            for (const int v : face.rim)
+            for (const int v : entry.face.rim)
                 placed_.push_back(found.rims[v]);
-            faces.push_back(std::move(face));
+            faces.push_back(std::move(entry.face));
         }
         for (std::size_t v = 0; v < found.rims.size(); ++v)
             if (rim_normals_[v].norm() > 0.1)
@@ -82,6 +85,14 @@ public:
     }
 
 private:
+    /// A face, its rims, and the wall along each.
+    struct WalledFace
+    {
+        FlatFace face;
+        std::vector<RimLoop> loops;
+        std::vector<RimWall> walls;
+    };
+
     void append(const Point& p, const Vector& normal)
     {
         result_.points.push_back(p);
@@ -92,31 +103,33 @@ private:
     }
 
     /// Faces that have walls along enough of their rims, on whichever side, the largest first.
-    std::vector<FlatFace> list_walled(const NoisyFaces& found)
+    std::vector<WalledFace> list_walled(const NoisyFaces& found)
     {
-        std::vector<FlatFace> result;
+        std::vector<WalledFace> result;
         for (FlatFace& face : sort_by_area(found))
         {
+            WalledFace entry;
+            entry.loops = list_rim_loops(face, found.rims);
+            entry.face = std::move(face);
+            find_walls(entry, found.rims);
             double length = 0, walled = 0;
-            for (const RimWall& wall : find_walls(face, list_rim_loops(face, found.rims), found.rims))
+            for (const RimWall& wall : entry.walls)
             {
                 length += wall.length;
                 walled += wall.side != 0 ? wall.length : 0;
             }
             if (walled >= least_walled * length)
-                result.push_back(std::move(face));
+                result.push_back(std::move(entry));
         }
         return result;
     }
 
-    std::vector<RimWall> find_walls(const FlatFace& face, const std::vector<RimLoop>& loops, const Points& rims)
+    void find_walls(WalledFace& entry, const Points& rims)
     {
-        const double outline = find_outline(loops);
-        std::vector<RimWall> walls;
-        walls.reserve(loops.size());
-        for (const RimLoop& loop : loops)
-            walls.push_back(walls_.find(face, loop, rims, loop.box < outline));
-        return walls;
+        const double outline = find_outline(entry.loops);
+        entry.walls.clear();
+        for (const RimLoop& loop : entry.loops)
+            entry.walls.push_back(walls_.find(entry.face, loop, rims, loop.box < outline));
     }
 
     /// Box of the loop around all others.
@@ -159,69 +172,41 @@ private:
 
     /// By where straight lines get away; else by what the denoised samples around the rims say together: each alone
     /// knows little, and beyond bare walls all may be wrong. \returns whether one of these tells.
-    bool turn_outward(FlatFace& face, const Points& rims, const WayOut& way_out) const
+    bool turn_outward(WalledFace& entry, const Points& rims, const WayOut& way_out)
     {
         std::vector<double> spacings;
-        for (const RimLoop& loop : list_rim_loops(face, rims))
-            spacings.push_back(spacing_of(loop, rims));
-        const int way = way_out.find(face, std::max(replaced_within * noise_, median(std::move(spacings))));
-        if (way < 0)
-            turn(face);
-        if (way != 0)
-            return true;
-        double along = 0;
-        for (const int v : face.rim)
-            along += normals_[sample_search_.nearest(rims[v])].dot(face.normal);
+        for (const RimLoop& loop : entry.loops)
+            spacings.push_back(median(loop.gaps));
+        const int way = way_out.find(entry.face, std::max(replaced_within * noise_, median(std::move(spacings))));
+        double along = way;
+        if (way == 0)
+            for (const int v : entry.face.rim)
+                along += normals_[sample_search_.nearest(rims[v])].dot(entry.face.normal);
         if (along < 0)
-            turn(face);
-        return std::abs(along) > agreeing * double(face.rim.size());
+            turn(entry, rims);
+        return way != 0 || std::abs(along) > agreeing * double(entry.face.rim.size());
     }
 
-    static void turn(FlatFace& face)
+    /// Walls are not the same seen from behind: only holes in what falls off may end in steps.
+    void turn(WalledFace& entry, const Points& rims)
     {
-        face.normal = -face.normal;
-        for (auto& t : face.triangles)
+        entry.face.normal = -entry.face.normal;
+        for (auto& t : entry.face.triangles)
             std::swap(t[0], t[1]);
+        find_walls(entry, rims);
     }
 
     /// \param is_sure whether the outside is known. Then walls that rise over the outline of a face count as well, as
     /// over the ground of a pocket, if bores show the solid below; a disc may be the end of a void as well as of a
     /// solid. \returns whether most of the face's rim has walls, so that it is a face.
-    bool raise_walls(const FlatFace& face, const Points& rims, bool is_sure)
+    bool raise_walls(WalledFace& entry, const Points& rims, bool is_sure)
     {
-        const std::vector<RimLoop> loops = list_rim_loops(face, rims);
-        std::vector<RimWall> walls = find_walls(face, loops, rims);
-        const double outline = find_outline(loops);
-        bool is_bored = false;
-        double length = 0, below = 0, above = 0;
-        for (std::size_t k = 0; k < loops.size(); ++k)
-        {
-            is_bored |= loops[k].box < outline && walls[k].side < 0;
-            length += walls[k].length;
-            below += walls[k].side < 0 ? walls[k].length : 0;
-            above += walls[k].side > 0 ? walls[k].length : 0;
-        }
-        if (below + (is_sure && is_bored ? above : 0) < least_walled * length)
+        const FlatFace& face = entry.face;
+        const std::vector<RimLoop>& loops = entry.loops;
+        std::vector<RimWall>& walls = entry.walls;
+        if (!is_bounded(entry, is_sure))
             return false;
-        // Most of the rim has walls of one height: there the opposite face lies, as of a prism.
-        double depth = 0, most = least_walled * length;
-        for (const RimWall& wall : walls)
-        {
-            double same = 0;
-            std::vector<double> heights;
-            for (const RimWall& other : walls)
-                if (wall.side < 0 && other.side < 0 && walls_.is_level(wall, other.height))
-                {
-                    same += other.length;
-                    heights.push_back(other.height);
-                }
-            if (same > most)
-            {
-                // A rim may be bevelled; most are not.
-                depth = median(heights);
-                most = same;
-            }
-        }
+        const double depth = find_depth(walls);
         // Above a known opposite face it is enough that most points of a rim have some there.
         for (std::size_t k = 0; k < loops.size() && depth > 0; ++k)
             if (walls[k].height == 0 && walls_.ends_at(loops[k], rims, -depth * face.normal))
@@ -247,11 +232,54 @@ private:
         return true;
     }
 
+    static bool is_bounded(const WalledFace& entry, bool is_sure)
+    {
+        const double outline = find_outline(entry.loops);
+        bool is_bored = false;
+        double length = 0, below = 0, above = 0;
+        for (std::size_t k = 0; k < entry.loops.size(); ++k)
+        {
+            const RimWall& wall = entry.walls[k];
+            is_bored |= entry.loops[k].box < outline && wall.side < 0;
+            length += wall.length;
+            below += wall.side < 0 ? wall.length : 0;
+            above += wall.side > 0 ? wall.length : 0;
+        }
+        return below + (is_sure && is_bored ? above : 0) >= least_walled * length;
+    }
+
+    /// Where the opposite face lies, as of a prism: the height of the walls along most of the rim; 0 if these differ.
+    double find_depth(const std::vector<RimWall>& walls) const
+    {
+        double length = 0;
+        for (const RimWall& wall : walls)
+            length += wall.length;
+        double depth = 0, most = least_walled * length;
+        for (const RimWall& wall : walls)
+        {
+            double same = 0;
+            std::vector<double> heights;
+            for (const RimWall& other : walls)
+                if (wall.side < 0 && other.side < 0 && walls_.is_level(wall, other.height))
+                {
+                    same += other.length;
+                    heights.push_back(other.height);
+                }
+            if (same > most)
+            {
+                // A rim may be bevelled; most are not.
+                depth = median(heights);
+                most = same;
+            }
+        }
+        return depth;
+    }
+
     void append_wall(const FlatFace& face, const RimLoop& loop, const RimWall& wall, const Points& rims,
                      bool ends_at_base)
     {
         const Vector up = wall.side * face.normal;
-        const double spacing = spacing_of(loop, rims);
+        const double spacing = median(loop.gaps);
         const auto raise = [&](const Point& foot, const Vector& away, double height)
         {
             const int pieces = std::max(1, int(std::ceil(height / spacing)));
@@ -281,15 +309,6 @@ private:
                       wall.steps.empty() ? wall.height : wall.steps[edge[t < 0.5 ? 0 : 1]]);
             }
         }
-    }
-
-    /// Median distance of neighbours on a rim.
-    static double spacing_of(const RimLoop& loop, const Points& rims)
-    {
-        std::vector<double> lengths;
-        for (const auto& edge : loop.edges)
-            lengths.push_back((rims[loop.rim[edge[0]]] - rims[loop.rim[edge[1]]]).norm());
-        return median(std::move(lengths));
     }
 
     /// The face again, seen from behind, where rims with walls of that depth are nearest.

@@ -45,13 +45,10 @@ double measure_box(const std::vector<int>& rim, const Points& rims)
 }
 
 /// What most neighbours on a rim are apart at most.
-double measure_gap(const RimLoop& loop, const Points& rims)
+double find_usual_gap(std::vector<double> gaps)
 {
-    std::vector<double> lengths;
-    for (const auto& [a, b] : loop.edges)
-        lengths.push_back((rims[loop.rim[a]] - rims[loop.rim[b]]).norm());
-    const auto place = lengths.begin() + std::ptrdiff_t(usual_gap * double(lengths.size() - 1));
-    std::nth_element(lengths.begin(), place, lengths.end());
+    const auto place = gaps.begin() + std::ptrdiff_t(usual_gap * double(gaps.size() - 1));
+    std::nth_element(gaps.begin(), place, gaps.end());
     return *place;
 }
 
@@ -78,7 +75,9 @@ std::vector<RimLoop> list_rim_loops(const FlatFace& face, const Points& rims)
     for (const auto& [v, w] : border)
     {
         const int a = place[v], b = place[w];
-        loops[int(sets.find(a))].edges.push_back({place_in_loop[a], place_in_loop[b]});
+        RimLoop& loop = loops[int(sets.find(a))];
+        loop.edges.push_back({place_in_loop[a], place_in_loop[b]});
+        loop.gaps.push_back((rims[v] - rims[w]).norm());
     }
     std::vector<RimLoop> result;
     for (auto& entry : loops)
@@ -93,8 +92,8 @@ std::vector<RimLoop> list_rim_loops(const FlatFace& face, const Points& rims)
 RimWall WallFinder::find(const FlatFace& face, const RimLoop& loop, const Points& rims, bool is_hole)
 {
     RimWall wall;
-    for (const auto& edge : loop.edges)
-        wall.length += (rims[loop.rim[edge[0]]] - rims[loop.rim[edge[1]]]).norm();
+    for (const double gap : loop.gaps)
+        wall.length += gap;
     Reach reach{highest_wall * loop.box, beside_slab * noise_, 0, aside * noise_};
     const std::vector<double> tops_below = find_tops(loop, rims, -face.normal, reach),
                               tops_above = find_tops(loop, rims, face.normal, reach);
@@ -102,7 +101,7 @@ RimWall WallFinder::find(const FlatFace& face, const RimLoop& loop, const Points
     if (below == 0 && above == 0)
     {
         reach.lowest = above_bevel * noise_;
-        reach.along = std::max(reach.along, measure_gap(loop, rims));
+        reach.along = std::max(reach.along, find_usual_gap(loop.gaps));
         for (const double out : beyond_bevels)
         {
             wall.out = reach.out = out * noise_;

@@ -16,6 +16,7 @@ struct RimLoop
     std::vector<int> rim;                  ///< Indices of rim samples.
     std::vector<Vector> away;              ///< Per rim sample, as in FlatFace.
     std::vector<std::array<int, 2>> edges; ///< Of places in `rim`.
+    std::vector<double> gaps;              ///< Lengths of the edges.
     double box = 0;                        ///< Diagonal of the box around it [length].
 };
 
