@@ -17,31 +17,10 @@ namespace recon
 namespace
 {
 
-/// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
-constexpr double suspicious_votes = 0.01;
-/// Share of points that a right surface may miss, at ears and folds.
-constexpr double bearable_miss = 0.01;
-/// Share of the area without points above which a hollow may have been closed over.
-constexpr double bearable_bare = 0.05;
-/// A rival that keeps more balls fits any points better; it must have less than this share of the mismatch.
-constexpr double clearly_better = 0.5;
-/// Shares of points missed and of bare area above which a denoised crust has lost walls: they read as noise, a lid
-/// closes the cup, and no vote objects. Right crusts miss points by mere noise, or are bare where a scan is open.
-constexpr double buried_points = 0.015, bare_lid = 0.02;
-/// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther
-/// apart.
-constexpr double least_of_walls = 0.1;
-/// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
-/// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
-constexpr double found_again = 0.25, hopeless = 0.45;
-/// Share of violated votes above which the walls of what is filled, seen with less noise, object to that.
-constexpr double objecting_votes = 0.015;
-/// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample;
-/// with the backs at most this share of them may be left.
-constexpr double bearable_lost = 0.02, bearable_handles = 2e-4, whole_again = 0.5;
-/// Above this number of points two attempts are not kept side by side [count].
-constexpr std::size_t most_points_twice = 1'000'000;
+// Limits of the attempts, in the order in which they are made. Each has a sign that calls for it, and a share of what
+// speaks against the crust so far that it may keep: an attempt that keeps more balls fits any points better.
 
+// Flat faces completed.
 /// Up to this share of violated votes a denoised cloud is not searched for bare faces.
 constexpr double calm_votes = 0.005;
 /// Completed flat faces stay if this share of the votes violated before is left: 0.23 to 0.58 where they were faces,
@@ -50,8 +29,50 @@ constexpr double clearly_fewer = 0.65;
 /// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes.
 constexpr double certain_votes = 0.02;
 
+// A clean cloud: balls by the spacing alone, then denoised.
+/// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
+constexpr double suspicious_votes = 0.01;
+/// Share of points that a right surface may miss, at ears and folds.
+constexpr double bearable_miss = 0.01;
+/// Mismatch above which a hollow may have been closed over.
+constexpr double bearable_mismatch = 0.05;
+/// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
+constexpr double clearly_better = 0.5;
+
+// A denoised cloud: balls by the spacing alone, less noise, then open lids.
+/// Shares of points missed and of bare area above which a denoised crust has lost walls: they read as noise, a lid
+/// closes the cup, and no vote objects. Right crusts miss points by mere noise, or are bare where a scan is open.
+constexpr double buried_points = 0.015, bare_lid = 0.02;
+/// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther
+/// apart.
+constexpr double least_of_walls = 0.1;
+/// How often the noise is halved.
+constexpr int halvings = 3;
+/// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
+/// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
+constexpr double found_again = 0.25, hopeless = 0.45;
+/// Share of violated votes above which the walls of what is filled, seen with less noise, object to that.
+constexpr double objecting_votes = 0.015;
+
+// Sheets that have the outside on both sides: backs behind them.
+/// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample;
+/// with the backs at most this share of them may be left.
+constexpr double bearable_lost = 0.02, bearable_handles = 2e-4, whole_again = 0.5;
+
+/// Above this number of points two attempts are not kept side by side [count].
+constexpr std::size_t most_points_twice = 1'000'000;
+
 /// Share of samples with long Voronoi cells up to which shared balls would hardly do, see share_poles().
 constexpr double well_sampled = 0.95;
+
+/// An attempt, and how far its crust and the points do not match.
+struct Judged
+{
+    LabelledCloud attempt;
+    Mismatch mismatch;
+
+    bool has_lost_walls() const { return mismatch.missed_points > buried_points && mismatch.bare_area > bare_lid; }
+};
 
 /// Attempts at one cloud.
 class Attempts
@@ -89,59 +110,24 @@ public:
         return label(std::move(cloud), true, progress);
     }
 
-    Mismatch measure(LabelledCloud& found)
-    {
-        return measure_mismatch(found.cloud.distinct, extract(found), labelling_.threads);
-    }
-
     /// A denoised cloud whose crust has lost walls, denoised as if it had less noise.
     LabelledCloud look_for_walls(LabelledCloud first, const Progress& progress)
     {
-        // Faces completed at this noise are lost with less: their points would scatter out of the slab around a plane.
-        if (first.completed > 0)
+        if (!may_have_lost_walls(first))
             return first;
-        const double spacing = first.labelled.spacing * first.cloud.frame.scale();
-        if (points_.size() > most_points_twice || first.cloud.noise < least_of_walls * spacing)
-            return first;
-        TriangleMesh crust = extract(first);
-        Mismatch mismatch;
-        mismatch.bare_area = measure_bare_area(first.cloud.samples, crust, labelling_.threads);
-        if (mismatch.bare_area <= bare_lid)
-            return first;
-        mismatch.missed_points = measure_missed_points(first.cloud.distinct, crust, labelling_.threads);
-        crust = {};
-        const auto is_suspicious = [&]
-        { return mismatch.missed_points > buried_points && mismatch.bare_area > bare_lid; };
-        if (is_suspicious() && first.cloud.is_doubtful && options_.denoise == Denoise::automatic)
-            replace_if_better(first, mismatch, label_fine(first.cloud, progress.part(0, 0.1, "fine balls")),
-                              flooded_above);
-        if (!is_suspicious())
-            return first;
-        constexpr int halvings = 3;
-        double noise = first.cloud.noise, most_missed = mismatch.missed_points, violated = 0;
-        const double finest = std::ldexp(noise, -halvings);
-        for (int i = 0; i < halvings && is_suspicious(); ++i)
+        Judged best = judge_bare(std::move(first));
+        if (best.has_lost_walls() && best.attempt.cloud.is_doubtful && options_.denoise == Denoise::automatic)
+            try_fine_balls(best, flooded_above, progress.part(0, 0.1, "fine balls"));
+        if (best.has_lost_walls())
         {
-            noise /= 2;
-            most_missed *= found_again;
-            LabelledCloud finer =
-                prepare_and_label(Denoise::on, noise, progress.part(0.1 + 0.2 * i, 0.3 + 0.2 * i, "less noise"));
-            violated = finer.labelled.violated_votes;
-            const Mismatch own = measure(finer);
-            const bool is_hollow = own.bare_area <= bare_lid && own.missed_points < mismatch.missed_points;
-            if (!is_hollow && own.missed_points > hopeless * mismatch.missed_points)
-                break;
-            if (is_hollow || own.missed_points < most_missed)
-            {
-                mismatch = own;
-                first = std::move(finer);
-            }
+            const double finest = std::ldexp(best.attempt.cloud.noise, -halvings);
+            const double violated = try_less_noise(best, progress.part(0.1, 0.7, "less noise"));
+            if (best.mismatch.bare_area > bare_lid && violated > objecting_votes)
+                try_open_lids(best, finest, progress.part(0.7, 1, "open lids"));
+            if (best.has_lost_walls())
+                best.attempt.missed_points = best.mismatch.missed_points;
         }
-        if (mismatch.bare_area > bare_lid && violated > objecting_votes)
-            replace_by_open(first, mismatch, finest, progress.part(0.7, 1, "open lids"));
-        if (is_suspicious())
-            first.missed_points = mismatch.missed_points;
-        return first;
+        return std::move(best.attempt);
     }
 
     /// A clean cloud whose crust the points contradict, with finer balls, then denoised.
@@ -150,25 +136,27 @@ public:
         const double violated = found.labelled.violated_votes;
         if (violated <= suspicious_votes)
             return found;
-        std::optional<LabelledCloud> first = std::move(found);
-        Mismatch mismatch = measure(*first);
+        std::optional<Judged> best = judge(std::move(found));
         const bool is_flooded = violated > flooded_above;
         // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is
         // full.
-        if (mismatch.sum() > bearable_bare && !is_flooded && points_.size() <= most_points_twice)
-            replace_if_better(*first, mismatch, label_fine(first->cloud, progress.part(0, 0.3, "fine balls")),
-                              violated);
-        if (mismatch.missed_points <= bearable_miss && !is_flooded)
-            return std::move(*first);
+        if (best->mismatch.sum() > bearable_mismatch && !is_flooded && points_.size() <= most_points_twice)
+            try_fine_balls(*best, violated, progress.part(0, 0.3, "fine balls"));
+        if (best->mismatch.missed_points <= bearable_miss && !is_flooded)
+            return std::move(best->attempt);
+        const double mismatch = best->mismatch.sum();
         if (points_.size() > most_points_twice)
-            first.reset();
+            best.reset();
         {
             LabelledCloud second = prepare_and_label(Denoise::on, 0, progress.part(0.3, 0.7, "second attempt"));
-            if (is_flooded ? second.labelled.violated_votes < violated : measure(second).sum() < mismatch.sum())
+            if (is_flooded && second.labelled.violated_votes < violated)
                 return second;
+            if (!is_flooded)
+                if (Judged judged = judge(std::move(second)); judged.mismatch.sum() < mismatch)
+                    return std::move(judged.attempt);
         }
-        return first ? std::move(*first)
-                     : prepare_and_label(Denoise::automatic, 0, progress.part(0.7, 1, "first attempt again"));
+        return best ? std::move(best->attempt)
+                    : prepare_and_label(Denoise::automatic, 0, progress.part(0.7, 1, "first attempt again"));
     }
 
     /// A scan whose sheets have the outside on both sides, with backs behind these.
@@ -222,9 +210,67 @@ private:
         }
     }
 
+    Judged judge(LabelledCloud attempt)
+    {
+        Judged result{std::move(attempt), {}};
+        result.mismatch = measure_mismatch(result.attempt.cloud.distinct, extract(result.attempt), labelling_.threads);
+        return result;
+    }
+
+    /// By the bare area as the denoised samples see it. Points missed are not counted where hardly any is bare.
+    Judged judge_bare(LabelledCloud attempt)
+    {
+        Judged result{std::move(attempt), {}};
+        const PreparedSamples& cloud = result.attempt.cloud;
+        const TriangleMesh crust = extract(result.attempt);
+        result.mismatch.bare_area = measure_bare_area(cloud.samples, crust, labelling_.threads);
+        if (result.mismatch.bare_area > bare_lid)
+            result.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, labelling_.threads);
+        return result;
+    }
+
+    bool may_have_lost_walls(const LabelledCloud& first) const
+    {
+        // Faces completed at this noise are lost with less: their points would scatter out of the slab around a plane.
+        return first.completed == 0 && points_.size() <= most_points_twice &&
+               first.cloud.noise >= least_of_walls * first.labelled.spacing * first.cloud.frame.scale();
+    }
+
+    /// \param highest_violation share of violated votes that the attempt must stay below.
+    void try_fine_balls(Judged& best, double highest_violation, const Progress& progress)
+    {
+        Judged fine = judge(label_fine(best.attempt.cloud, progress));
+        // Bare flats stay bare: there both are wrong, and the first less so.
+        if (fine.attempt.labelled.violated_votes < highest_violation &&
+            fine.mismatch.sum() < clearly_better * best.mismatch.sum())
+            best = std::move(fine);
+    }
+
+    /// Half the noise, a quarter, an eighth, as long as that finds walls. \returns the share of votes that the last
+    /// attempt violates.
+    double try_less_noise(Judged& best, const Progress& progress)
+    {
+        double noise = best.attempt.cloud.noise, most_missed = best.mismatch.missed_points, violated = 0;
+        for (int i = 0; i < halvings && best.has_lost_walls(); ++i)
+        {
+            noise /= 2;
+            most_missed *= found_again;
+            Judged finer = judge(prepare_and_label(
+                Denoise::on, noise, progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise")));
+            violated = finer.attempt.labelled.violated_votes;
+            const double missed = finer.mismatch.missed_points;
+            const bool is_hollow = finer.mismatch.bare_area <= bare_lid && missed < best.mismatch.missed_points;
+            if (!is_hollow && missed > hopeless * best.mismatch.missed_points)
+                break;
+            if (is_hollow || missed < most_missed)
+                best = std::move(finer);
+        }
+        return violated;
+    }
+
     /// The cloud with the least noise and all lids open: where the points object to what is filled, the mouth of a cup
     /// is open, though no sample is there to say so.
-    void replace_by_open(LabelledCloud& found, Mismatch& mismatch, double noise, const Progress& progress)
+    void try_open_lids(Judged& best, double noise, const Progress& progress)
     {
         LabelledCloud open = prepare_and_label(Denoise::on, noise, progress.part(0, 0.6, "least noise"));
         const double violated = open.labelled.violated_votes;
@@ -238,24 +284,10 @@ private:
                                           progress.part(0.6, 1, "labels"));
         turn_normals(open);
         open.opened = true;
-        const Mismatch own = measure(open);
-        if (open.labelled.violated_votes < violated && own.sum() < clearly_better * mismatch.sum())
-        {
-            found = std::move(open);
-            mismatch = own;
-        }
-    }
-
-    /// \param highest_violation share of violated votes that `fine` must stay below.
-    void replace_if_better(LabelledCloud& found, Mismatch& mismatch, LabelledCloud fine, double highest_violation)
-    {
-        const Mismatch own = measure(fine);
-        // Bare flats stay bare: there both are wrong, and the first less so.
-        if (fine.labelled.violated_votes < highest_violation && own.sum() < clearly_better * mismatch.sum())
-        {
-            found = std::move(fine);
-            mismatch = own;
-        }
+        Judged opened = judge(std::move(open));
+        if (opened.attempt.labelled.violated_votes < violated &&
+            opened.mismatch.sum() < clearly_better * best.mismatch.sum())
+            best = std::move(opened);
     }
 
     /// With lengths in units of the cloud's frame.
