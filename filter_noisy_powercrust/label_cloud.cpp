@@ -115,6 +115,7 @@ public:
     {
         if (!may_have_lost_walls(first))
             return first;
+        const bool has_flats = first.completed > 0;
         Judged best = judge_bare(std::move(first));
         if (best.has_lost_walls() && best.attempt.cloud.is_doubtful && options_.denoise == Denoise::automatic)
             try_fine_balls(best, flooded_above, progress.part(0, 0.1, "fine balls"));
@@ -122,7 +123,8 @@ public:
         {
             const double finest = std::ldexp(best.attempt.cloud.noise, -halvings);
             const double violated = try_less_noise(best, progress.part(0.1, 0.7, "less noise"));
-            if (best.mismatch.bare_area > bare_lid && violated > objecting_votes)
+            // Bare flats are no lids.
+            if (!has_flats && best.mismatch.bare_area > bare_lid && violated > objecting_votes)
                 try_open_lids(best, finest, progress.part(0.7, 1, "open lids"));
             if (best.has_lost_walls())
                 best.attempt.missed_points = best.mismatch.missed_points;
@@ -231,8 +233,7 @@ private:
 
     bool may_have_lost_walls(const LabelledCloud& first) const
     {
-        // Faces completed at this noise are lost with less: their points would scatter out of the slab around a plane.
-        return first.completed == 0 && points_.size() <= most_points_twice &&
+        return points_.size() <= most_points_twice &&
                first.cloud.noise >= least_of_walls * first.labelled.spacing * first.cloud.frame.scale();
     }
 
@@ -394,11 +395,15 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
     if (labelling.ball_threshold > 0)
         return first;
+    // Bare flats explain sheets without an inside, also where less noise took the place of completed ones.
+    const bool has_bare_flats = first.cloud.denoised && first.completed > 0;
     const Progress rest = progress.part(0.7, 0.9, "other attempts");
     if (!first.cloud.denoised && options.denoise == Denoise::automatic)
         first = attempts.doubt_cleanness(std::move(first), rest);
     else if (first.cloud.denoised && options.noise == 0)
         first = attempts.look_for_walls(std::move(first), rest);
+    if (has_bare_flats)
+        return first;
     return attempts.back_lost_sheets(std::move(first), progress.part(0.9, 1, "lost sheets"));
 }
 

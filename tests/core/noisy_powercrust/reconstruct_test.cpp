@@ -2,6 +2,7 @@
 
 #include "filter_amls/smooth_mesh.h"
 
+#include "flat_shapes.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
@@ -168,10 +169,9 @@ TEST(NoisyPowerCrust, WallsThinnerThanTwoSpacingsAreNoNoise)
 /// A cup with one sample a unit of area.
 struct Cup
 {
-    explicit Cup(double wall)
+    explicit Cup(double wall, double side = 16)
     {
-        constexpr double side = 16, height = 12;
-        const double inside = side - 2 * wall, depth = height - wall;
+        const double height = 0.75 * side, inside = side - 2 * wall, depth = height - wall;
         volume = side * side * height - inside * inside * depth;
         add_face({0, 0, 0}, {side, 0, 0}, {0, side, 0});
         add_face({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
@@ -217,6 +217,28 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_NEAR(report.volume, cup.volume, 0.1 * cup.volume) << one.wall << ' ' << one.noise;
     }
+}
+
+// The first attempt takes the cup's walls for noise and completes the rod's ends.
+TEST(NoisyPowerCrust, ACupBesideARodSampledOnItsRimsIsNotFilled)
+{
+    constexpr double noise = 0.3, radius = 14, length = 20;
+    constexpr int corners = 60;
+    const Cup cup(1.5, 24);
+    Points points = shapes::with_noise(cup.points, noise, 4), rims;
+    for (const double z : {0.0, length})
+        flat_shapes::append_ring(rims, 72, 0, z, radius, corners);
+    for (const Point& p : shapes::with_noisy_copies(rims, noise, 4, 5))
+        points.push_back(p);
+    NoisyPowerCrustOptions options;
+    options.keep_components = KeepComponents::all;
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points, options);
+    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 2);
+    EXPECT_GT(crust.completed, 0);
+    const double rod = 0.5 * corners * std::sin(2 * pi / corners) * radius * radius * length;
+    EXPECT_NEAR(report.volume, cup.volume + rod, 0.05 * (cup.volume + rod)); // 1.37 times as much with a full cup
 }
 
 namespace
