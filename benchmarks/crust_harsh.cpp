@@ -43,23 +43,6 @@ Points thinned(const Points& points, double factor, unsigned seed)
     return kept;
 }
 
-/// The points and a share of uniform ones in a box 10 % larger.
-Points with_outliers(Points points, double share, unsigned seed)
-{
-    shapes::Random random(seed);
-    const recon::Box box = recon::bounding_box(points);
-    const recon::Vector sides = 1.1 * (box.maximum - box.minimum);
-    const std::size_t count = std::size_t(share * double(points.size()));
-    for (std::size_t i = 0; i < count; ++i)
-    {
-        Point p = box.centre();
-        for (int k = 0; k < 3; ++k)
-            p[k] += (uniform(random) - 0.5) * sides[k];
-        points.push_back(p);
-    }
-    return points;
-}
-
 /// Two scans of noise sigma with two samples per vertex each, the second moved by two sigma along the diagonal of the
 /// axes.
 Points misregistered(const Points& vertices, double sigma, unsigned seed)

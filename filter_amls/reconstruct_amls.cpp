@@ -114,6 +114,7 @@ bool looks_exact(const Points& unit, double least_noise_found, int threads)
 {
     const Cleanness cleanness = measure_cleanness(unit, threads);
     return cleanness.flat_neighbours > flat_share && !cleanness.is_smooth_but_noisy() &&
+           !cleanness.is_noisy_in_parts() &&
            (least_noise_found < least_noise || least_noise_found > walls || cleanness.whiteness < exact_whiteness);
 }
 

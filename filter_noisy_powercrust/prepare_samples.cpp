@@ -49,9 +49,10 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         exactly_flat.threads = resolve_threads(options.threads);
         result.completion = complete_flats(result.distinct, exactly_flat);
     }
-    const bool is_exact = !result.completion.points.empty();
+    const bool is_noisy_in_parts = cleanness.is_noisy_in_parts();
+    const bool is_exact = !is_noisy_in_parts && !result.completion.points.empty();
     times.begin("gate");
-    result.is_noisy = !cleanness.is_clean() && !is_exact;
+    result.is_noisy = is_noisy_in_parts || (!cleanness.is_clean() && !is_exact);
     if (!result.is_noisy && !is_exact)
     {
         result.is_doubtful = !cleanness.is_smooth_but_noisy() && cleanness.flat_neighbours < certainly_flat &&

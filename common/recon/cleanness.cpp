@@ -113,9 +113,12 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     {
         result.long_cells += clean[k] / cells;
         result.flat_neighbours += flat[k] / cells;
+        if (!clean[k] && flat[k] < 0.5 && whiteness[k] > 0.5 && roughness[k] > 0.1)
+            result.noisy_places += 1 / cells;
     }
     result.whiteness = quantile(whiteness, 0.25);
     result.roughness = quantile(roughness, 0.5);
+    result.lower_roughness = quantile(roughness, 0.25);
     result.least_roughness = quantile(roughness, 0.1);
     result.noise = quantile(noise, 0.5);
     return result;

@@ -147,6 +147,19 @@ TEST(ReconstructAmls, ProjectsPointsWithALittleNoise)
     }
 }
 
+TEST(ReconstructAmls, ProjectsPointsThatAreNoisyInParts)
+{
+    Points points = shapes::torus(16'000, 1, 0.4, 1).points;
+    const double sigma = 0.8 * std::sqrt(4 * pi * pi * 0.4 / double(points.size()));
+    const Points noisy = shapes::with_noise(points, sigma, 2);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i].x() > 0.5)
+            points[i] = noisy[i];
+    const AmlsReconstruction found = reconstruct_amls(points);
+    EXPECT_EQ(found.genus, 1);
+    EXPECT_GT(found.vertices_on_surface, 0.99 * double(found.mesh.vertices.size()));
+}
+
 TEST(ReconstructAmls, DoesNotDependOnThreads)
 {
     const Points points = shapes::with_noisy_copies(shapes::sphere(1500, 1, 1).points, 0.01, 4, 2);

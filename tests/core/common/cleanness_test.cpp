@@ -25,6 +25,20 @@ Points sample_plate(double thickness, int side)
     return in_order(shapes::thin_plate(side, thickness, 5));
 }
 
+double torus_spacing(const Points& torus)
+{
+    return std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
+}
+
+Points with_noise_beyond_x(Points points, double x, double sigma)
+{
+    const Points noisy = shapes::with_noise(points, sigma, 5);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i].x() > x)
+            points[i] = noisy[i];
+    return points;
+}
+
 /// Share of the samples from `begin` to before `end` whose scale is the fine one.
 double share_of_fine(const Points& points, std::size_t begin, std::size_t end)
 {
@@ -73,6 +87,22 @@ TEST(Cleanness, AWiderFitServesNoiseAsWellAndCurvatureNot)
     }
 }
 
+TEST(Cleanness, NoiseInOnePartIsToldFromACloudThatIsCoarseAllOver)
+{
+    const Points torus = shapes::torus(20'000, 1, 0.3, 3).points;
+    for (const double noise : {0.4, 0.8})
+    {
+        const Cleanness half =
+            measure_cleanness(in_order(with_noise_beyond_x(torus, 0, noise * torus_spacing(torus))), 1);
+        EXPECT_TRUE(half.is_noisy_in_parts()) << half.noisy_places << ' ' << half.lower_roughness;
+        EXPECT_TRUE(half.is_clean()) << "and the other signs miss it";
+    }
+    for (const int n : {400, 1000, 20'000})
+        EXPECT_FALSE(measure_cleanness(in_order(shapes::torus(n, 1, 0.3, 3).points), 1).is_noisy_in_parts()) << n;
+    for (const int n : {500, 3000})
+        EXPECT_FALSE(measure_cleanness(in_order(shapes::box(n, {3, 2, 1}, 3).points), 1).is_noisy_in_parts()) << n;
+}
+
 TEST(Cleanness, IsTheSameForAnyNumberOfThreads)
 {
     const Points plate = sample_plate(1.5, 20);
@@ -81,6 +111,7 @@ TEST(Cleanness, IsTheSameForAnyNumberOfThreads)
     EXPECT_EQ(one.flat_neighbours, many.flat_neighbours);
     EXPECT_EQ(one.whiteness, many.whiteness);
     EXPECT_EQ(one.roughness, many.roughness);
+    EXPECT_EQ(one.noisy_places, many.noisy_places);
 }
 
 TEST(Cleanness, NeighboursUpTo17DegreesBelowThePlaneAreFlat)

@@ -37,6 +37,28 @@ TEST(PrepareSamples, OneNoisySampleASpotIsNoise)
     }
 }
 
+TEST(PrepareSamples, ACloudThatIsNoisyInPartsIsDenoised)
+{
+    Points torus = shapes::torus(20'000, 1, 0.3, 3).points;
+    const double noise = 0.5 * std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
+    EXPECT_FALSE(prepare(torus).denoised);
+    const Points noisy = shapes::with_noise(torus, noise, 5);
+    for (std::size_t i = 0; i < torus.size(); ++i)
+        if (torus[i].x() > 0)
+            torus[i] = noisy[i];
+    const PreparedSamples cloud = prepare(torus);
+    EXPECT_TRUE(cloud.denoised);
+    double squares[2] = {}, count[2] = {};
+    for (const Point& p : cloud.samples)
+    {
+        const Point at = cloud.frame.from_unit(p);
+        squares[at.x() > 0] += std::pow(shapes::distance_to_torus(at, 1, 0.3), 2);
+        ++count[at.x() > 0];
+    }
+    EXPECT_LT(std::sqrt(squares[1] / count[1]), 0.4 * noise);
+    EXPECT_LT(std::sqrt(squares[0] / count[0]), 0.1 * noise) << "the clean half";
+}
+
 TEST(PrepareSamples, ThinWallsAreNoNoiseThoughTheEstimateSaysSo)
 {
     const PreparedSamples cloud = prepare(shapes::thin_plate(30, 1.5, 5));

@@ -1,0 +1,228 @@
+// Other kinds of noise than each vertex plus Gaussian copies: crust_kinds <folder of models> <seed> <points> [model...]
+// Points spread at random over the surface. One Markdown row a kind: per model the RMS distance of the crust's vertices
+// to the true mesh in 1e-6 of the diagonal, and what is wrong with the crust if it is not right.
+#include "mesh_distance.h"
+#include "models.h"
+#include "pn_models.h"
+
+#include "filter_noisy_powercrust/reconstruct.h"
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+
+using namespace benchmarks;
+using recon::Point;
+using recon::Points;
+using recon::Vector;
+
+namespace
+{
+
+class Cloud
+{
+public:
+    Cloud(const Model& model, int n, unsigned seed)
+        : model_(model), n_(n), seed_(seed), random_(seed), box_(recon::bounding_box(model.mesh.vertices))
+    {
+    }
+
+    Points surface(int n) { return sample_mesh(model_.mesh, n, ++seed_).points; }
+    Points surface() { return surface(n_); }
+    double uniform() { return double(random_() >> 11) * 0x1p-53; }
+    /// A length in per cent of the diagonal.
+    double length(double percent) const { return percent / 100 * model_.diagonal; }
+    /// Where a point lies along an axis of the box, 0 to 1.
+    double along(const Point& p, int axis) const
+    {
+        return (p[axis] - box_.minimum[axis]) / (box_.maximum[axis] - box_.minimum[axis]);
+    }
+    Point anywhere()
+    {
+        Point p;
+        for (int k = 0; k < 3; ++k)
+            p[k] = box_.minimum[k] + uniform() * (box_.maximum[k] - box_.minimum[k]);
+        return p;
+    }
+    /// \param percent_at per point the standard deviation.
+    template <class PercentAt>
+    Points with_noise(const Points& points, const PercentAt& percent_at)
+    {
+        Points result = points, unit = shapes::with_noise(points, 1, ++seed_);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            result[i] += length(percent_at(points[i])) * (unit[i] - points[i]);
+        return result;
+    }
+    Points with_noise(const Points& points, double percent)
+    {
+        return with_noise(points, [&](const Point&) { return percent; });
+    }
+    /// A direction and, times it, a length drawn by `draw`.
+    template <class Draw>
+    Points with_offsets(Points points, const Draw& draw)
+    {
+        const Points directions = shapes::with_noise(Points(points.size(), Point::Zero()), 1, ++seed_);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            points[i] += draw() * directions[i].normalized();
+        return points;
+    }
+    /// Whether a point lies within `percent` of one of the places.
+    bool is_near(const Point& p, const Points& places, double percent) const
+    {
+        bool near = false;
+        for (const Point& place : places)
+            near |= (p - place).norm() < length(percent);
+        return near;
+    }
+
+private:
+    const Model& model_;
+    int n_;
+    unsigned seed_;
+    shapes::Random random_;
+    recon::Box box_;
+};
+
+Points rounded(Points points, double step)
+{
+    for (Point& p : points)
+        for (int k = 0; k < 3; ++k)
+            p[k] = std::round(p[k] / step) * step;
+    return points;
+}
+
+struct Kind
+{
+    const char* name;
+    std::function<Points(Cloud&)> make;
+};
+
+const std::vector<Kind> kinds = {
+    {"clean", [](Cloud& c) { return c.surface(); }},
+    {"Gaussian, 0.2 %", [](Cloud& c) { return c.with_noise(c.surface(), 0.2); }},
+    {"Laplace, 0.2 %",
+     [](Cloud& c) { return c.with_offsets(c.surface(), [&] { return -c.length(0.2) * std::log(1 - c.uniform()); }); }},
+    {"uniform in balls of 0.4 %",
+     [](Cloud& c) { return c.with_offsets(c.surface(), [&] { return c.length(0.4) * std::cbrt(c.uniform()); }); }},
+    {"along one axis, 0.3 %",
+     [](Cloud& c)
+     {
+         const Points exact = c.surface();
+         Points points = c.with_noise(exact, 0.3);
+         for (std::size_t i = 0; i < points.size(); ++i)
+             points[i].head<2>() = exact[i].head<2>();
+         return points;
+     }},
+    {"0 to 0.5 % along an axis",
+     [](Cloud& c) { return c.with_noise(c.surface(), [&](const Point& p) { return 0.5 * c.along(p, 1); }); }},
+    {"rounded to 0.1 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.1)); }},
+    {"rounded to 0.3 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.3)); }},
+    {"scan lines 0.8 % apart, 0.05 %",
+     [](Cloud& c)
+     {
+         Points lines;
+         for (const Point& p : c.surface())
+         {
+             const double line = p.y() / c.length(0.8);
+             if (std::abs(line - std::round(line)) < 0.1)
+                 lines.push_back(p);
+         }
+         return c.with_noise(lines, 0.05);
+     }},
+    {"0.1 %, 20 clusters of outliers",
+     [](Cloud& c)
+     {
+         Points points = c.with_noise(c.surface(), 0.1);
+         for (int cluster = 0; cluster < 20; ++cluster)
+             for (const Point& p : c.with_noise(Points(50, c.anywhere()), 0.5))
+                 points.push_back(p);
+         return points;
+     }},
+    {"0.1 %, 3 % of them 2 % off",
+     [](Cloud& c)
+     {
+         const Points exact = c.surface();
+         return c.with_noise(exact, [&](const Point&) { return c.uniform() < 0.03 ? 2 : 0.1; });
+     }},
+    {"0.1 %, 30 holes of 1.5 %",
+     [](Cloud& c)
+     {
+         const Points places = c.surface(30);
+         Points kept;
+         for (const Point& p : c.with_noise(c.surface(), 0.1))
+             if (!c.is_near(p, places, 1.5))
+                 kept.push_back(p);
+         return kept;
+     }},
+    {"a noisy half, 0.3 %",
+     [](Cloud& c) { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 0) > 0.5 ? 0.3 : 0; }); }},
+    {"a noisy half, 0.1 %",
+     [](Cloud& c) { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 0) > 0.5 ? 0.1 : 0; }); }},
+    {"a noisy quarter, 0.3 %", [](Cloud& c)
+     { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 1) > 0.75 ? 0.3 : 0; }); }},
+    {"five noisy balls of 12 %, 0.3 %",
+     [](Cloud& c)
+     {
+         const Points places = c.surface(5);
+         return c.with_noise(c.surface(), [&](const Point& p) { return c.is_near(p, places, 12) ? 0.3 : 0; });
+     }},
+    {"halves of 0.03 and 0.4 %", [](Cloud& c)
+     { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 2) > 0.5 ? 0.4 : 0.03; }); }},
+};
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    if (argc < 4)
+    {
+        std::fprintf(stderr, "usage: %s <folder of models> <seed> <points> [model...]\n", argv[0]);
+        return 2;
+    }
+    std::vector<std::string> models(argv + 4, argv + argc);
+    if (models.empty())
+        models = {"bunny_closed", "armadillo_43k", "horse", "rocker_arm", "fertility", "block", "fandisk"};
+    std::vector<Model> loaded;
+    std::string header = "| noise |", rule = "|---|";
+    for (const std::string& name : models)
+    {
+        loaded.push_back(load_model(argv[1] + ("/" + name) + ".ply"));
+        header += " " + name + " |";
+        rule += "---|";
+    }
+    std::printf("%s\n%s\n", header.c_str(), rule.c_str());
+    int right = 0, cells = 0;
+    for (const Kind& kind : kinds)
+    {
+        std::printf("| %s |", kind.name);
+        for (const Model& model : loaded)
+        {
+            Cloud cloud(model, std::atoi(argv[3]), 1000 * unsigned(std::atoi(argv[2])) + 10 * unsigned(cells++));
+            try
+            {
+                const recon::TriangleMesh crust = recon::reconstruct_noisy_power_crust(kind.make(cloud)).mesh;
+                const checks::MeshReport report = checks::examine_mesh(crust);
+                const double volume = report.volume / model.volume;
+                std::printf(" %.0f", 1e6 * MeshDistance(model.mesh).summarise(crust.vertices).rms / model.diagonal);
+                if (is_right(report, model.genus, volume))
+                    ++right;
+                else
+                    std::printf(", %sgenus %d of %d, volume %.3f",
+                                report.is_closed_oriented_manifold() ? "" : "NOT CLOSED, ", report.genus(), model.genus,
+                                volume);
+                std::printf(" |");
+            }
+            catch (const std::exception& e)
+            {
+                std::printf(" failed: %s |", e.what());
+            }
+            std::fflush(stdout);
+        }
+        std::printf("\n");
+    }
+    std::printf("\n%d of %d right\n", right, cells);
+}
