@@ -21,10 +21,7 @@ void save(const std::string& name, const std::string& model, const Points& point
     std::ofstream(out_folder + "/" + name + ".truth") << model_folder << "/" << model << ".ply\n";
 }
 
-double uniform(shapes::Random& random)
-{
-    return double(random() >> 11) * 0x1p-53;
-}
+using shapes::uniform;
 
 /// Points kept with a probability that falls from 1 to 1/20 along the longest axis.
 Points thinned(const Points& points, unsigned seed)

@@ -27,10 +27,7 @@ struct Shape
     std::function<double(const Point&)> distance, kept;
 };
 
-double uniform(shapes::Random& random)
-{
-    return double(random() >> 11) * 0x1p-53;
-}
+using shapes::uniform;
 
 double sphere_area(double radius)
 {

@@ -45,7 +45,7 @@ public:
     }
 
 private:
-    double uniform() { return double(random_() >> 11) * 0x1p-53; }
+    double uniform() { return shapes::uniform(random_); }
     recon::Vector side(const std::array<int, 3>& t, int k) const { return mesh_.vertices[t[k]] - mesh_.vertices[t[0]]; }
 
     const recon::TriangleMesh& mesh_;

@@ -21,10 +21,7 @@ using recon::Points;
 namespace
 {
 
-double uniform(shapes::Random& random)
-{
-    return double(random() >> 11) * 0x1p-53;
-}
+using shapes::uniform;
 
 /// Points kept with a probability that falls from 1 to 1/factor along the longest axis.
 Points thinned(const Points& points, double factor, unsigned seed)

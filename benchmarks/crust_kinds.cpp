@@ -33,7 +33,7 @@ public:
 
     Points surface(int n) { return sample_mesh(model_.mesh, n, ++seed_).points; }
     Points surface() { return surface(n_); }
-    double uniform() { return double(random_() >> 11) * 0x1p-53; }
+    double uniform() { return shapes::uniform(random_); }
     /// A length in per cent of the diagonal.
     double length(double percent) const { return percent / 100 * model_.diagonal; }
     /// Where a point lies along an axis of the box, 0 to 1.

@@ -26,7 +26,7 @@ class PoissonDisks
 {
 public:
     PoissonDisks(double spacing, unsigned seed) : spacing_(spacing), random_(seed) {}
-    double uniform() { return double(random_() >> 11) * 0x1p-53; }
+    double uniform() { return shapes::uniform(random_); }
     /// Draws from `draw` until `misses` draws in a row were too near.
     void fill(const std::function<Point()>& draw, int tries, Points& points)
     {

@@ -255,7 +255,7 @@ recon::Points with_outliers(recon::Points points, double share, unsigned seed)
     {
         recon::Point p = box.centre();
         for (int k = 0; k < 3; ++k)
-            p[k] += (double(random() >> 11) * 0x1p-53 - 0.5) * sides[k];
+            p[k] += (shapes::uniform(random) - 0.5) * sides[k];
         points.push_back(p);
     }
     return points;

@@ -31,10 +31,7 @@ std::vector<double> areas_summed(const TriangleMesh& mesh)
     return sums;
 }
 
-double uniform(shapes::Random& random)
-{
-    return double(random() >> 11) * 0x1p-53;
-}
+using shapes::uniform;
 
 } // namespace
 

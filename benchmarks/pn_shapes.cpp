@@ -97,11 +97,10 @@ int main(int argc, char** argv)
     shapes::Random random(5);
     const auto share = [](const Point& p) { return std::pow(10, -(p.z() + 1)); };
     const double mean_share = 0.99 / (2 * std::log(10.0));
-    measure(
-        {"sphere, 100 times denser at one pole (pair in spacings of the whole)",
-         keep(shapes::sphere(60000, 1, 2), [&](const Point& p) { return double(random() >> 11) * 0x1p-53 < share(p); }),
-         dense, sphere_area, sphere_distance, sphere_normal, [&](const Point& p) { return share(p) / mean_share; }},
-        std::min(steps, 4));
+    measure({"sphere, 100 times denser at one pole (pair in spacings of the whole)",
+             keep(shapes::sphere(60000, 1, 2), [&](const Point& p) { return shapes::uniform(random) < share(p); }),
+             dense, sphere_area, sphere_distance, sphere_normal, [&](const Point& p) { return share(p) / mean_share; }},
+            std::min(steps, 4));
 
     OrientedSamples half = keep(shapes::sphere(3500, 1, 2), [](const Point& p) { return p.z() >= 0; });
     const OrientedSamples inner = keep(dense, [](const Point& p) { return p.z() > 0.12; });
@@ -125,7 +124,7 @@ int main(int argc, char** argv)
         }
     for (int i = 0; i < 200000; ++i)
     {
-        const double x = double(random() >> 11) * 0x1p-53, y = double(random() >> 11) * 0x1p-53;
+        const double x = shapes::uniform(random), y = shapes::uniform(random);
         plane.points.emplace_back(49 * x, 49 * y, 0);
         plane.normals.push_back(Vector::UnitZ());
     }

@@ -62,16 +62,6 @@ std::vector<int> list_without_strangers(const Points& points, const AmlsSurface:
     return kept;
 }
 
-template <typename Values>
-Values pick(const Values& values, const std::vector<int>& indices)
-{
-    Values picked;
-    picked.reserve(indices.size());
-    for (const int i : indices)
-        picked.push_back(values[std::size_t(i)]);
-    return picked;
-}
-
 /// What a crust is made of, in a unit frame.
 struct LabelledSamples
 {
@@ -127,7 +117,7 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     times.begin("gate");
     const std::vector<int> kept = list_without_strangers(points, surface.data());
     const int isolated = int(surface.data().points.size() - kept.size());
-    Points distinct = pick(points, kept);
+    Points distinct = points_at(kept, points);
     // Not that of all points, see label_surface().
     const UnitFrame frame(isolated > 0 ? distinct : points);
     distinct = frame.to_unit(distinct);
@@ -139,7 +129,7 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     // through them.
     if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)
     {
-        const Vectors normals = pick(list_normals(points, surface, labelling.threads), kept);
+        const Vectors normals = points_at(kept, list_normals(points, surface, labelling.threads));
         labelled = label_polar_balls(distinct, normals, labelling, times, progress.part(0.5, 1, "polar balls"));
     }
     if (labelled.violated_votes > flooded_above)

@@ -38,8 +38,7 @@ struct UsableSamples
 void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
                            const Progress& progress, UsableSamples& usable);
 
-/// How far to look for k samples that lie `spacing` apart: without a guess a search begins with the spacing of all,
-/// which says nothing where they lie in heaps far from each other.
+/// How far to look for k samples that lie `spacing` apart: a search without a guess has to make one first.
 inline double likely_reach(double spacing, int k)
 {
     return spacing * std::sqrt(double(k));

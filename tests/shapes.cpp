@@ -17,11 +17,6 @@ using recon::Vector;
 
 constexpr double pi = 3.14159265358979323846;
 
-double uniform(Random& random)
-{
-    return double(random() >> 11) * 0x1p-53;
-}
-
 double gaussian(Random& random)
 {
     // Box-Muller, since std::normal_distribution differs between standard libraries.
@@ -35,6 +30,11 @@ Vector direction(Random& random)
 }
 
 } // namespace
+
+double uniform(Random& random)
+{
+    return double(random() >> 11) * 0x1p-53;
+}
 
 OrientedSamples sphere(int n, double radius, std::uint64_t seed)
 {
@@ -153,7 +153,7 @@ Points with_noise(const Points& points, double sigma, std::uint64_t seed)
 Points thin_plate(int side, double thickness, std::uint64_t seed)
 {
     Random random(seed);
-    const auto jitter = [&] { return 0.3 * (double(random() >> 11) * 0x1p-53 - 0.5); };
+    const auto jitter = [&] { return 0.3 * (uniform(random) - 0.5); };
     Points points;
     for (int i = 0; i <= side; ++i)
         for (int j = 0; j <= side; ++j)
@@ -168,6 +168,15 @@ double rms(const Points& points, const std::function<double(const Point&)>& dist
     for (const Point& p : points)
         squares += distance(p) * distance(p);
     return std::sqrt(squares / double(points.size()));
+}
+
+Points with_noise_beyond(double x, const Points& points, double sigma, std::uint64_t seed)
+{
+    Points result = with_noise(points, sigma, seed);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i].x() <= x)
+            result[i] = points[i];
+    return result;
 }
 
 Points with_noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)

@@ -11,6 +11,8 @@ namespace shapes
 {
 
 using Random = std::mt19937_64;
+/// From 0 to below 1.
+double uniform(Random& random);
 
 /// Area-uniform random points with outward normals.
 recon::OrientedSamples sphere(int n, double radius, std::uint64_t seed);
@@ -36,6 +38,8 @@ double rms(const recon::Points& points, const std::function<double(const recon::
 
 /// Each point moved by isotropic Gaussian noise of standard deviation `sigma` per coordinate.
 recon::Points with_noise(const recon::Points& points, double sigma, std::uint64_t seed);
+/// The same of those points only whose x is larger than `x`.
+recon::Points with_noise_beyond(double x, const recon::Points& points, double sigma, std::uint64_t seed);
 /// Every point, and `copies` Gaussian copies of it: the clouds of Mederos et al. and of our benchmarks.
 recon::Points with_noisy_copies(const recon::Points& points, double sigma, int copies, std::uint64_t seed);
 

@@ -2,6 +2,7 @@
 
 #include <recon/cleanness.h>
 #include <recon/median.h>
+#include <recon/nearest_samples.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
@@ -123,10 +124,9 @@ SampleSpacing measure_spacing(const Points& samples, const BlockSearch& search, 
         }
     };
     parallel_chunks(m, threads, 256, {}, measure);
-    result.search = BlockSearch(points_at(result.subset, samples));
-    result.nearest.resize(samples.size());
-    parallel_for(samples.size(), threads, {},
-                 [&](std::size_t i) { result.nearest[i] = result.search.nearest(samples[i]); });
+    const Points members = points_at(result.subset, samples);
+    result.search = BlockSearch(members);
+    result.nearest = find_nearest_samples(samples, members, threads).sample;
     return result;
 }
 

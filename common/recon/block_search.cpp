@@ -129,7 +129,7 @@ double guess_reach(const Tree& tree, const double* q, int k)
     measure_leaf_beside(tree, q, d);
     std::sort(d, d + fan);
     int wanted = std::min(k, fan);
-    while (d[wanted - 1] == infinity) // the last leaf is not full
+    while (wanted > 1 && d[wanted - 1] == infinity) // the last leaf is not full
         --wanted;
     constexpr double rounding = 1 + 1e-9;
     return rounding * std::sqrt(d[wanted - 1] * k / wanted);

@@ -50,7 +50,7 @@ struct Landmarks
     }
 
 private:
-    double uniform() { return 2 * double(random_() >> 11) * 0x1p-53 - 1; }
+    double uniform() { return 2 * shapes::uniform(random_) - 1; }
     shapes::Random random_{11};
 };
 

@@ -21,7 +21,7 @@ Points egg_crate(int cells)
 {
     constexpr double pitch = 10, half_wall = 1.2, height = 10;
     shapes::Random random(5);
-    const auto between = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    const auto between = [&](double low, double high) { return low + (high - low) * shapes::uniform(random); };
     const double low = half_wall, high = pitch - half_wall, size = cells * pitch;
     Points points;
     const auto add_patch = [&](const Point& corner, const Vector& u, const Vector& v)
@@ -149,13 +149,9 @@ TEST(ReconstructAmls, ProjectsPointsWithALittleNoise)
 
 TEST(ReconstructAmls, ProjectsPointsThatAreNoisyInParts)
 {
-    Points points = shapes::torus(16'000, 1, 0.4, 1).points;
+    const Points points = shapes::torus(16'000, 1, 0.4, 1).points;
     const double sigma = 0.8 * std::sqrt(4 * pi * pi * 0.4 / double(points.size()));
-    const Points noisy = shapes::with_noise(points, sigma, 2);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (points[i].x() > 0.5)
-            points[i] = noisy[i];
-    const AmlsReconstruction found = reconstruct_amls(points);
+    const AmlsReconstruction found = reconstruct_amls(shapes::with_noise_beyond(0.5, points, sigma, 2));
     EXPECT_EQ(found.genus, 1);
     EXPECT_GT(found.vertices_on_surface, 0.99 * double(found.mesh.vertices.size()));
 }

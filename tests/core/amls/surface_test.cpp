@@ -1,4 +1,4 @@
-#include <filter_amls/project.h>
+#include "project_all.h"
 
 #include <recon/errors.h>
 
@@ -19,15 +19,6 @@ namespace
 {
 
 using Distance = std::function<double(const Point&)>;
-
-AmlsProjection project_all(const Points& points, int threads = 0)
-{
-    AmlsOptions options;
-    options.threads = threads;
-    AmlsProjectionOptions projection;
-    projection.threads = threads;
-    return project_to_amls(points, build_amls_surface(points, options), projection);
-}
 
 /// Share of results whose normal agrees with the one of the noise-free sample.
 double oriented_share(const AmlsProjection& result, const Vectors& truth)
@@ -147,38 +138,6 @@ TEST(AmlsSurface, HardlyRoundsTheEdgesOfCleanBoxes)
     EXPECT_LT(shapes::rms(result.points, [&](const Point& p) { return shapes::distance_to_box(p, sides); }), 4.2e-4);
 }
 
-TEST(AmlsSurface, TellsEdgesFromOutliers)
-{
-    // Samples on the edges themselves, farther from the surface that rounds them than the noise that there is not.
-    constexpr int n = 24;
-    Points points;
-    for (int i = 0; i <= n; ++i)
-        for (int j = 0; j <= n; ++j)
-            for (int k = 0; k <= n; ++k)
-                if (std::min({i, j, k}) == 0 || std::max({i, j, k}) == n)
-                    points.emplace_back(i, j, k);
-    const std::size_t genuine = points.size();
-    for (const double off : {8.0, 10.0, 12.0})
-    {
-        points.emplace_back(n + off, 12.3, off);
-        points.emplace_back(off, -off, 11.1);
-    }
-    const AmlsProjection result = project_all(points);
-    EXPECT_GT(result.count(ProjectionStatus::kept), 0);
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-        EXPECT_EQ(result.status[i] == ProjectionStatus::outlier, i >= genuine)
-            << points[i].transpose() << " status " << int(result.status[i]) << " w " << result.widths[i] << " "
-            << result.spacings[i] << " " << result.points[i].transpose();
-        EXPECT_TRUE(is_moved(result.status[i]) || result.points[i] == points[i]);
-    }
-    // The same is said of a point when not all are asked.
-    const Points half(points.begin() + std::ptrdiff_t(genuine / 2), points.end());
-    const AmlsProjection of_half = project_to_amls(half, build_amls_surface(points));
-    EXPECT_TRUE(
-        std::equal(of_half.status.begin(), of_half.status.end(), result.status.begin() + std::ptrdiff_t(genuine / 2)));
-}
-
 TEST(AmlsSurface, TakesRandomSamplesBesideSharpEdgesForDetail)
 {
     // Where few of the neighbours lie beyond the rounded edge as well: 42 within half a spacing alone.
@@ -241,93 +200,6 @@ TEST(AmlsSurface, EqualPointsCountOnce)
     for (std::size_t i = 0; i < points.size(); ++i)
         EXPECT_EQ(once.points[i], twice.points[i]);
     EXPECT_EQ(twice.points[3000], twice.points[0]);
-}
-
-TEST(AmlsSurface, LeavesOutliersAlone)
-{
-    Points points = shapes::with_noise(shapes::sphere(8000, 1, 21).points, 0.01, 22);
-    const std::size_t n = points.size();
-    shapes::Random random(23);
-    const auto coordinate = [&] { return 6.0 * double(random() >> 11) * 0x1p-53 - 3.0; };
-    for (int i = 0; i < 80; ++i)
-    {
-        const double x = coordinate(), y = coordinate();
-        points.emplace_back(x, y, coordinate());
-    }
-    const AmlsProjection result = project_all(points);
-    int far = 0, left = 0;
-    for (std::size_t i = n; i < points.size(); ++i)
-        if (shapes::distance_to_sphere(points[i], 1) > 0.5)
-        {
-            ++far;
-            left += result.status[i] == ProjectionStatus::outlier && result.points[i] == points[i];
-        }
-    ASSERT_GT(far, 40);
-    EXPECT_EQ(left, far);
-    const Points inliers(result.points.begin(), result.points.begin() + std::ptrdiff_t(n));
-    EXPECT_LT(shapes::rms(inliers, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 0.003);
-}
-
-TEST(AmlsSurface, FindsOutliersThatAreNotQuiteAlone)
-{
-    // One outlier for 20 points: each has some others within the window of a noisy, dense surface.
-    Points points = shapes::with_noise(shapes::sphere(60000, 1, 46).points, 0.01, 48);
-    const std::size_t genuine = points.size();
-    shapes::Random random(47);
-    const auto coordinate = [&] { return 2.4 * double(random() >> 11) * 0x1p-53 - 1.2; };
-    for (std::size_t i = 0; i < genuine / 20; ++i)
-    {
-        const double x = coordinate(), y = coordinate();
-        points.emplace_back(x, y, coordinate());
-    }
-    const AmlsProjection result = project_all(points);
-    int mistaken = 0, far = 0, found = 0;
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-        const bool flagged = result.status[i] == ProjectionStatus::outlier;
-        if (i < genuine)
-            mistaken += flagged;
-        else if (shapes::distance_to_sphere(points[i], 1) > 0.2)
-        {
-            ++far;
-            found += flagged;
-        }
-    }
-    ASSERT_GT(far, 1000);
-    EXPECT_GT(found, 0.9 * far) << far;
-    EXPECT_LT(mistaken, 0.001 * double(genuine));
-}
-
-TEST(AmlsSurface, SparsePartBesideDenseOneIsNoOutlier)
-{
-    // The belt is 20 times as dense as the rest, whose samples have the belt's scales by their nearest seed.
-    Points points = shapes::sphere(1200, 1, 61).points;
-    const std::size_t sparse = points.size();
-    for (const Point& p : shapes::sphere(24000, 1, 62).points)
-        if (std::abs(p.z()) < 0.1)
-            points.push_back(p);
-    for (const double sigma : {0.0, 0.003})
-    {
-        const AmlsProjection result = project_all(shapes::with_noise(points, sigma, 63));
-        EXPECT_EQ(result.count(ProjectionStatus::outlier), 0);
-        for (std::size_t i = 0; i < sparse; ++i)
-            EXPECT_LT(shapes::distance_to_sphere(result.points[i], 1), 0.02);
-    }
-}
-
-TEST(AmlsSurface, FindsLonePointsAFewSpacingsOffACleanSurface)
-{
-    const int n = 8000, lone = 12;
-    const double spacing = std::sqrt(4 * 3.14159265 / n);
-    for (const double off : {2.5, 4.0})
-    {
-        Points points = shapes::sphere(n, 1, 64).points;
-        for (const Point& p : shapes::sphere(lone, 1 + off * spacing, 65).points)
-            points.push_back(p);
-        const AmlsProjection result = project_all(points);
-        EXPECT_EQ(result.count(ProjectionStatus::outlier), lone);
-        EXPECT_EQ(std::count(result.status.begin() + n, result.status.end(), ProjectionStatus::outlier), lone);
-    }
 }
 
 TEST(AmlsSurface, TakesSidesFromGivenNormals)

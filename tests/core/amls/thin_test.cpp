@@ -26,7 +26,7 @@ Cloud thin_wall(int n)
     for (int i = 0; i < n; ++i)
     {
         const double side = i % 2 == 0 ? 1 : -1;
-        const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+        const auto uniform = [&] { return shapes::uniform(random); };
         cloud.points.emplace_back(uniform(), uniform(), 0.005 * side);
         cloud.normals.emplace_back(0, 0, side);
         cloud.radii.push_back(0.03);

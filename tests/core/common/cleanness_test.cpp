@@ -30,15 +30,6 @@ double torus_spacing(const Points& torus)
     return std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
 }
 
-Points with_noise_beyond_x(Points points, double x, double sigma)
-{
-    const Points noisy = shapes::with_noise(points, sigma, 5);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (points[i].x() > x)
-            points[i] = noisy[i];
-    return points;
-}
-
 /// Share of the samples from `begin` to before `end` whose scale is the fine one.
 double share_of_fine(const Points& points, std::size_t begin, std::size_t end)
 {
@@ -93,7 +84,7 @@ TEST(Cleanness, NoiseInOnePartIsToldFromACloudThatIsCoarseAllOver)
     for (const double noise : {0.4, 0.8})
     {
         const Cleanness half =
-            measure_cleanness(in_order(with_noise_beyond_x(torus, 0, noise * torus_spacing(torus))), 1);
+            measure_cleanness(in_order(shapes::with_noise_beyond(0, torus, noise * torus_spacing(torus), 5)), 1);
         EXPECT_TRUE(half.is_noisy_in_parts()) << half.noisy_places << ' ' << half.lower_roughness;
         EXPECT_TRUE(half.is_clean()) << "and the other signs miss it";
     }

@@ -143,7 +143,7 @@ TEST(EstimateNoise, IsNotMovedByOutliersOrDuplicates)
     shapes::Random random(18);
     for (int i = 0; i < 1000; ++i)
     {
-        const auto coordinate = [&] { return 3.0 * double(random() >> 11) * 0x1p-53 - 1.5; };
+        const auto coordinate = [&] { return 3.0 * shapes::uniform(random) - 1.5; };
         const double x = coordinate(), y = coordinate();
         points.emplace_back(x, y, coordinate());
     }

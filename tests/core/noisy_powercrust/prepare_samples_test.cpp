@@ -39,14 +39,10 @@ TEST(PrepareSamples, OneNoisySampleASpotIsNoise)
 
 TEST(PrepareSamples, ACloudThatIsNoisyInPartsIsDenoised)
 {
-    Points torus = shapes::torus(20'000, 1, 0.3, 3).points;
+    const Points torus = shapes::torus(20'000, 1, 0.3, 3).points;
     const double noise = 0.5 * std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
     EXPECT_FALSE(prepare(torus).denoised);
-    const Points noisy = shapes::with_noise(torus, noise, 5);
-    for (std::size_t i = 0; i < torus.size(); ++i)
-        if (torus[i].x() > 0)
-            torus[i] = noisy[i];
-    const PreparedSamples cloud = prepare(torus);
+    const PreparedSamples cloud = prepare(shapes::with_noise_beyond(0, torus, noise, 5));
     EXPECT_TRUE(cloud.denoised);
     double squares[2] = {}, count[2] = {};
     for (const Point& p : cloud.samples)

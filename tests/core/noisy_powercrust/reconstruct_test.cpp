@@ -2,7 +2,6 @@
 
 #include "filter_amls/smooth_mesh.h"
 
-#include "flat_shapes.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
@@ -164,120 +163,6 @@ TEST(NoisyPowerCrust, WallsThinnerThanTwoSpacingsAreNoNoise)
     EXPECT_EQ(report.components, 1);
     EXPECT_EQ(report.genus(), 0);
     EXPECT_NEAR(report.volume, side * side * thickness, 0.06 * side * side * thickness);
-}
-
-/// A cup with one sample a unit of area.
-struct Cup
-{
-    explicit Cup(double wall, double side = 16)
-    {
-        const double height = 0.75 * side, inside = side - 2 * wall, depth = height - wall;
-        volume = side * side * height - inside * inside * depth;
-        add_face({0, 0, 0}, {side, 0, 0}, {0, side, 0});
-        add_face({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
-        for (const double far : {0.0, 1.0})
-        {
-            add_face({0, far * side, 0}, {side, 0, 0}, {0, 0, height});
-            add_face({far * side, 0, 0}, {0, side, 0}, {0, 0, height});
-            add_face({wall, wall + far * inside, wall}, {inside, 0, 0}, {0, 0, depth});
-            add_face({wall + far * inside, wall, wall}, {0, inside, 0}, {0, 0, depth});
-            add_face({0, far * (side - wall), height}, {side, 0, 0}, {0, wall, 0});
-            add_face({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
-        }
-    }
-
-    double volume = 0;
-    Points points;
-
-private:
-    void add_face(const Point& corner, const Vector& u, const Vector& v)
-    {
-        const int columns = std::max(int(u.norm()), 1), rows = std::max(int(v.norm()), 1);
-        for (int i = 0; i < columns; ++i)
-            for (int j = 0; j < rows; ++j)
-                points.push_back(corner + (i + 0.2 + 0.6 * uniform()) / columns * u +
-                                 (j + 0.2 + 0.6 * uniform()) / rows * v);
-    }
-    double uniform() { return double(random_() >> 11) * 0x1p-53; }
-
-    shapes::Random random_{3};
-};
-
-TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
-{
-    struct Case
-    {
-        double wall, noise;
-    };
-    for (const Case& one : {Case{1.5, 0.2}, Case{2, 0.4}, Case{2.5, 0.6}})
-    {
-        const Cup cup(one.wall);
-        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.points, one.noise, 4));
-        const checks::MeshReport report = checks::examine_mesh(crust.mesh);
-        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-        EXPECT_NEAR(report.volume, cup.volume, 0.1 * cup.volume) << one.wall << ' ' << one.noise;
-    }
-}
-
-// The first attempt takes the cup's walls for noise and completes the rod's ends.
-TEST(NoisyPowerCrust, ACupBesideARodSampledOnItsRimsIsNotFilled)
-{
-    constexpr double noise = 0.3, radius = 14, length = 20;
-    constexpr int corners = 60;
-    const Cup cup(1.5, 24);
-    Points points = shapes::with_noise(cup.points, noise, 4), rims;
-    for (const double z : {0.0, length})
-        flat_shapes::append_ring(rims, 72, 0, z, radius, corners);
-    for (const Point& p : shapes::with_noisy_copies(rims, noise, 4, 5))
-        points.push_back(p);
-    NoisyPowerCrustOptions options;
-    options.keep_components = KeepComponents::all;
-    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points, options);
-    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
-    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-    EXPECT_EQ(report.components, 2);
-    EXPECT_GT(crust.completed, 0);
-    const double rod = 0.5 * corners * std::sin(2 * pi / corners) * radius * radius * length;
-    EXPECT_NEAR(report.volume, cup.volume + rod, 0.05 * (cup.volume + rod)); // 1.37 times as much with a full cup
-}
-
-namespace
-{
-
-bool says(const NoisyPowerCrust& crust, const std::string& words)
-{
-    return std::any_of(crust.warnings.begin(), crust.warnings.end(),
-                       [&](const std::string& text) { return text.find(words) != std::string::npos; });
-}
-
-} // namespace
-
-TEST(NoisyPowerCrust, SaysThatWallsSeemLost)
-{
-    const auto says_so = [](double wall, double noise)
-    {
-        return says(reconstruct_noisy_power_crust(shapes::with_noise(Cup(wall).points, noise, 4)),
-                    "walls may have been taken for noise");
-    };
-    EXPECT_TRUE(says_so(1, 0.5)); // filled: nothing tells its walls from noise
-    EXPECT_FALSE(says_so(2.5, 0.3));
-}
-
-// Walls thinner than a spacing, with noise of four tenths of it: chance has a say.
-TEST(NoisyPowerCrust, OpensSomeLidsOfCupsThatAreFilledAtAnyNoise)
-{
-    int opened = 0;
-    for (const double wall : {0.8, 1.0})
-        for (unsigned seed = 1; seed <= 6; ++seed)
-        {
-            const Cup cup(wall);
-            const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.points, 0.4, seed));
-            const checks::MeshReport report = checks::examine_mesh(crust.mesh);
-            EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-            const bool is_right = std::abs(report.volume - cup.volume) < 0.15 * cup.volume;
-            opened += is_right && says(crust, "left hollow");
-        }
-    EXPECT_GE(opened, 2) << "of 12";
 }
 
 TEST(NoisyPowerCrust, DependsNeitherOnThreadsNorOnOrderNorOnTheRun)

@@ -101,7 +101,7 @@ TEST(Creases, AFaceDoesNotGoOnBehindItsEdge)
         samples.normals.push_back(n);
     };
     shapes::Random random(3);
-    const auto uniform = [&](double from, double to) { return from + (to - from) * double(random() >> 11) * 0x1p-53; };
+    const auto uniform = [&](double from, double to) { return from + (to - from) * shapes::uniform(random); };
     for (int i = 0; i < 400; ++i)
         for (const double side : {-1.0, 1.0})
         {

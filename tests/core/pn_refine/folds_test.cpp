@@ -227,7 +227,7 @@ TEST(Sheets, ThatFaceTheSameWayAreNotJoined)
     // between.
     OrientedSamples layers;
     shapes::Random random(3);
-    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+    const auto uniform = [&] { return shapes::uniform(random); };
     for (int i = 0; i < 4000; ++i)
     {
         layers.points.emplace_back(uniform(), uniform(), i % 2 ? 0.04 : 0);

@@ -23,7 +23,7 @@ OrientedSamples uneven_sphere(std::uint64_t seed)
     OrientedSamples kept;
     const OrientedSamples even = shapes::sphere(60000, 1, seed);
     for (std::size_t i = 0; i < even.points.size(); ++i)
-        if (double(random() >> 11) * 0x1p-53 < std::pow(10, -(even.points[i].z() + 1)))
+        if (shapes::uniform(random) < std::pow(10, -(even.points[i].z() + 1)))
         {
             kept.points.push_back(even.points[i]);
             kept.normals.push_back(even.normals[i]);
