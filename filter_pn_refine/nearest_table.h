@@ -4,7 +4,6 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace recon::pn
@@ -30,20 +29,10 @@ inline NearestTable find_nearest(const Points& points, const BlockSearch& search
     parallel_chunks(points.size(), threads, 256, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
-                        double squared[NearestTable::each], reach = 1e300;
+                        double squared[NearestTable::each], reach = 0;
                         for (std::size_t i = begin; i < end; ++i)
-                        {
-                            // As far as for the one before, unless there are enough in the order around it: where
-                            // points are far apart and then dense, all would be looked at.
-                            const std::size_t last = points.size() - std::size_t(table.count);
-                            const auto around = points.begin() + std::ptrdiff_t(std::min(i, last));
-                            double most = 0;
-                            for (auto p = around; p != around + table.count; ++p)
-                                most = std::max(most, (*p - points[i]).squaredNorm());
-                            reach = std::min(reach, 1.000001 * std::sqrt(most));
                             search.nearest(points[i], table.count, table.index.data() + i * std::size_t(table.count),
                                            squared, reach);
-                        }
                     });
     return table;
 }

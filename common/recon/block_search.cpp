@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace recon
@@ -40,6 +41,22 @@ RECON_INLINE void measure_boxes(const BlockSearch::Box& box, const double* q, do
     }
 }
 
+/// To the farthest corners.
+RECON_INLINE void measure_corners(const BlockSearch::Box& box, const double* q, double* squared)
+{
+    for (int k = 0; k < fan; ++k)
+    {
+        double sum = 0;
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            const double low = q[axis] - box.low[axis][k], high = box.high[axis][k] - q[axis];
+            const double d = low > high ? low : high;
+            sum += d * d;
+        }
+        squared[k] = sum;
+    }
+}
+
 RECON_INLINE void measure_points(const BlockSearch::Leaf& leaf, const double* q, double* squared)
 {
     for (int k = 0; k < fan; ++k)
@@ -55,12 +72,20 @@ struct Tree
     const BlockSearch::Leaf* leaves;
     const BlockSearch::Box* const* levels;
     int level_count;
+    std::int64_t size; ///< Number of points.
+
+    /// The number of points in a full child of a node.
+    static std::int64_t child_size(const Node& node) { return std::int64_t(fan) << (3 * node.level); }
+    bool is_full(const Node& node, int child) const
+    {
+        return (std::int64_t(node.index) * fan + child + 1) * child_size(node) <= size;
+    }
 };
 
 /// Calls visit(first index, squared distances of 8 points) for the leaves that come as near as `limit`, in the
-/// order of the points.
+/// order of the points. The visit may lower the limit.
 template <class Visit>
-RECON_INLINE void visit_leaves(const Tree& tree, const double* q, double limit, Visit&& visit)
+RECON_INLINE void visit_leaves(const Tree& tree, const double* q, double& limit, Visit&& visit)
 {
     Node stack[deepest];
     int depth = 0;
@@ -104,39 +129,18 @@ struct Candidate
 
 using Candidates = boost::container::small_vector<Candidate, 96>;
 
-/// The squared distances of the points of a leaf beside the query.
-RECON_VECTOR_CLONES
-void measure_leaf_beside(const Tree& tree, const double* q, double* squared)
+/// Keeps the k nearest, unsorted. \returns the squared distance of the k-th.
+double keep_nearest(Candidates& candidates, int k)
 {
-    double d[fan];
-    int at = 0;
-    for (int level = tree.level_count - 1; level >= 0; --level)
-    {
-        measure_boxes(tree.levels[level][at], q, d);
-        int least = 0;
-        for (int j = 1; j < fan; ++j)
-            least = d[j] < d[least] ? j : least;
-        at = at * fan + least;
-    }
-    measure_points(tree.leaves[at], q, squared);
+    const auto last = candidates.begin() + (k - 1);
+    std::nth_element(candidates.begin(), last, candidates.end());
+    candidates.resize(std::size_t(k));
+    return candidates.back().squared;
 }
 
-/// Distance within which there are about k points: that of the k-th in a leaf beside the query, widened where a leaf
-/// has fewer.
-double guess_reach(const Tree& tree, const double* q, int k)
-{
-    double d[fan];
-    measure_leaf_beside(tree, q, d);
-    std::sort(d, d + fan);
-    int wanted = std::min(k, fan);
-    while (wanted > 1 && d[wanted - 1] == infinity) // the last leaf is not full
-        --wanted;
-    constexpr double rounding = 1 + 1e-9;
-    return rounding * std::sqrt(d[wanted - 1] * k / wanted);
-}
-
+/// All within the limit, unless there are more than `most`.
 RECON_VECTOR_CLONES
-void collect_candidates(const Tree& tree, const double* q, double limit, Candidates* candidates)
+void collect_candidates(const Tree& tree, const double* q, double limit, std::size_t most, Candidates* candidates)
 {
     visit_leaves(tree, q, limit,
                  [&](int first, const double* d) RECON_INLINE_LAMBDA
@@ -149,7 +153,56 @@ void collect_candidates(const Tree& tree, const double* q, double limit, Candida
                          count += d[j] <= limit;
                      }
                      candidates->insert(candidates->end(), found, found + count);
+                     if (candidates->size() > most)
+                         limit = -1;
                  });
+}
+
+/// The k nearest and some more, without a guess: from near to far, as far as the k-th found so far, or the far corner
+/// of a box of that many.
+RECON_VECTOR_CLONES
+void collect_nearest(const Tree& tree, const double* q, int k, Candidates* candidates)
+{
+    const std::size_t room = std::size_t(k) + 2 * fan;
+    double limit = std::numeric_limits<double>::max();
+    Node stack[deepest];
+    int depth = 0;
+    stack[depth++] = {0, tree.level_count - 1, 0};
+    while (depth > 0)
+    {
+        const Node node = stack[--depth];
+        if (node.squared > limit)
+            continue;
+        double d[fan];
+        if (node.level < 0)
+        {
+            measure_points(tree.leaves[node.index], q, d);
+            for (int j = 0; j < fan; ++j)
+                if (d[j] <= limit)
+                    candidates->push_back({d[j], node.index * fan + j});
+            if (candidates->size() > room)
+                limit = keep_nearest(*candidates, k);
+            continue;
+        }
+        measure_boxes(tree.levels[node.level][node.index], q, d);
+        if (Tree::child_size(node) >= k)
+        {
+            double far[fan];
+            measure_corners(tree.levels[node.level][node.index], q, far);
+            for (int j = 0; j < fan; ++j)
+                if (far[j] < limit && tree.is_full(node, j))
+                    limit = far[j];
+        }
+        const int base = depth;
+        for (int j = fan - 1; j >= 0; --j)
+            if (d[j] <= limit)
+            {
+                int at = depth++;
+                for (; at > base && stack[at - 1].squared < d[j]; --at)
+                    stack[at] = stack[at - 1];
+                stack[at] = {d[j], node.level - 1, node.index * fan + j};
+            }
+    }
 }
 
 RECON_VECTOR_CLONES
@@ -179,7 +232,7 @@ void collect_within(const Tree& tree, const double* q, double limit, std::vector
 BlockSearch::BlockSearch(const Points& points) : size_(points.size())
 {
     if (size_ > 0)
-        spacing_ = std::max(bounding_box(points).diagonal() / std::sqrt(double(size_)), 1e-300);
+        spacing_ = bounding_box(points).diagonal() / std::sqrt(double(size_));
     // Entries beyond the last point are infinitely far: infinity - infinity never occurs, queries are finite.
     leaves_.resize((size_ + fan - 1) / fan);
     for (std::size_t i = 0; i < leaves_.size() * fan; ++i)
@@ -224,19 +277,19 @@ int BlockSearch::nearest(const Point& query, int k, int* indices, double* square
     k = int(std::min<std::size_t>(size_, std::size_t(std::max(k, 0))));
     if (k == 0)
         return 0;
-    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size())};
+    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size()), std::int64_t(size_)};
     Candidates candidates;
-    // Boxes overlap, so the leaf may be one that only passes by.
-    double radius = reach > 0 ? reach : std::min(guess_reach(tree, query.data(), k), spacing_ * std::sqrt(double(k)));
-    for (; int(candidates.size()) < k; radius = radius > 0 ? 1.5 * radius : spacing_)
+    // A guess may be far off: the last query lay among other spacings.
+    const std::size_t most = std::size_t(8 * k + 8 * fan);
+    const double radius = reach > 0 ? reach : spacing_ * std::sqrt(double(k));
+    collect_candidates(tree, query.data(), limit_of(radius), most, &candidates);
+    if (candidates.size() < std::size_t(k) || candidates.size() > most)
     {
         candidates.clear();
-        collect_candidates(tree, query.data(), limit_of(radius), &candidates);
+        collect_nearest(tree, query.data(), k, &candidates);
     }
-    const auto last = candidates.begin() + k;
-    if (last != candidates.end())
-        std::nth_element(candidates.begin(), last - 1, candidates.end());
-    std::sort(candidates.begin(), last);
+    keep_nearest(candidates, k);
+    std::sort(candidates.begin(), candidates.end());
     for (int i = 0; i < k; ++i)
     {
         indices[i] = candidates[i].index;
@@ -264,7 +317,7 @@ void BlockSearch::within(const Point& query, double radius, std::vector<int>& in
     indices.clear();
     if (size_ == 0)
         return;
-    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size())};
+    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size()), std::int64_t(size_)};
     collect_within(tree, query.data(), limit_of(radius), &indices);
 }
 

@@ -22,8 +22,8 @@ public:
 
     /// Writes the min(k, size) nearest points to `indices` and their squared distances to `squared`, nearest first, of
     /// equal ones the lowest index. Both arrays hold at least k entries. \param reach a guess of the distance of the
-    /// k-th, 0 for none; becomes a good one for a query nearby. Only the time depends on it. \returns how many there
-    /// are. \pre query is finite.
+    /// k-th, 0 for none; becomes a good one for a query nearby. Only the time depends on it, a little. \returns how
+    /// many there are. \pre query and its squared distances are finite.
     int nearest(const Point& query, int k, int* indices, double* squared, double& reach) const;
     int nearest(const Point& query, int k, int* indices, double* squared) const;
 
