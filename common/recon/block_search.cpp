@@ -74,6 +74,7 @@ struct Tree
     int level_count;
     std::int64_t size; ///< Number of points.
 
+    static int first_point(const Node& node) { return int(std::int64_t(node.index) * fan << (3 * (node.level + 1))); }
     /// The number of points in a full child of a node.
     static std::int64_t child_size(const Node& node) { return std::int64_t(fan) << (3 * node.level); }
     bool is_full(const Node& node, int child) const
@@ -129,13 +130,11 @@ struct Candidate
 
 using Candidates = boost::container::small_vector<Candidate, 96>;
 
-/// Keeps the k nearest, unsorted. \returns the squared distance of the k-th.
-double keep_nearest(Candidates& candidates, int k)
+/// Keeps the k nearest, the farthest of them last, otherwise unsorted.
+void keep_nearest(Candidates& candidates, int k)
 {
-    const auto last = candidates.begin() + (k - 1);
-    std::nth_element(candidates.begin(), last, candidates.end());
+    std::nth_element(candidates.begin(), candidates.begin() + (k - 1), candidates.end());
     candidates.resize(std::size_t(k));
-    return candidates.back().squared;
 }
 
 /// All within the limit, unless there are more than `most`.
@@ -164,24 +163,27 @@ RECON_VECTOR_CLONES
 void collect_nearest(const Tree& tree, const double* q, int k, Candidates* candidates)
 {
     const std::size_t room = std::size_t(k) + 2 * fan;
-    double limit = std::numeric_limits<double>::max();
+    Candidate last{std::numeric_limits<double>::max(), std::numeric_limits<int>::max()};
     Node stack[deepest];
     int depth = 0;
     stack[depth++] = {0, tree.level_count - 1, 0};
     while (depth > 0)
     {
         const Node node = stack[--depth];
-        if (node.squared > limit)
+        if (last < Candidate{node.squared, Tree::first_point(node)})
             continue;
         double d[fan];
         if (node.level < 0)
         {
             measure_points(tree.leaves[node.index], q, d);
             for (int j = 0; j < fan; ++j)
-                if (d[j] <= limit)
+                if (d[j] <= last.squared)
                     candidates->push_back({d[j], node.index * fan + j});
             if (candidates->size() > room)
-                limit = keep_nearest(*candidates, k);
+            {
+                keep_nearest(*candidates, k);
+                last = candidates->back();
+            }
             continue;
         }
         measure_boxes(tree.levels[node.level][node.index], q, d);
@@ -190,12 +192,12 @@ void collect_nearest(const Tree& tree, const double* q, int k, Candidates* candi
             double far[fan];
             measure_corners(tree.levels[node.level][node.index], q, far);
             for (int j = 0; j < fan; ++j)
-                if (far[j] < limit && tree.is_full(node, j))
-                    limit = far[j];
+                if (far[j] < last.squared && tree.is_full(node, j))
+                    last = {far[j], std::numeric_limits<int>::max()};
         }
         const int base = depth;
         for (int j = fan - 1; j >= 0; --j)
-            if (d[j] <= limit)
+            if (d[j] <= last.squared)
             {
                 int at = depth++;
                 for (; at > base && stack[at - 1].squared < d[j]; --at)
@@ -225,6 +227,20 @@ void collect_within(const Tree& tree, const double* q, double limit, std::vector
                      }
                  });
     indices->insert(indices->end(), found, found + count);
+}
+
+RECON_VECTOR_CLONES
+bool find_within(const Tree& tree, const double* q, double limit, int wanted)
+{
+    visit_leaves(tree, q, limit,
+                 [&](int, const double* d) RECON_INLINE_LAMBDA
+                 {
+                     for (int j = 0; j < fan; ++j)
+                         wanted -= d[j] <= limit;
+                     if (wanted <= 0)
+                         limit = -1;
+                 });
+    return wanted <= 0;
 }
 
 } // namespace
@@ -319,6 +335,12 @@ void BlockSearch::within(const Point& query, double radius, std::vector<int>& in
         return;
     const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size()), std::int64_t(size_)};
     collect_within(tree, query.data(), limit_of(radius), &indices);
+}
+
+bool BlockSearch::has_within(const Point& query, double radius, int wanted) const
+{
+    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size()), std::int64_t(size_)};
+    return size_ > 0 && find_within(tree, query.data(), limit_of(radius), wanted);
 }
 
 } // namespace recon

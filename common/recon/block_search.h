@@ -33,6 +33,9 @@ public:
     /// Indices of all points within `radius` of `query`, ascending; replaces the content of `indices`.
     void within(const Point& query, double radius, std::vector<int>& indices) const;
 
+    /// Whether at least `wanted` points lie within `radius` of `query`, however many they are.
+    bool has_within(const Point& query, double radius, int wanted) const;
+
     static constexpr int fan = 8;
 
     struct Box

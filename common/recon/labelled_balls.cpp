@@ -107,12 +107,8 @@ std::vector<std::array<int, 2>> pair_like_balls(const PolarBalls& polar, const s
     parallel_chunks(large.size(), threads, grain, {},
                     [&](std::size_t begin, std::size_t end)
                     {
-                        std::vector<int> around;
                         for (std::size_t k = begin; k < end; ++k)
-                        {
-                            search.within(centres[k], like_within * scale[large[k]], around);
-                            has_like[k] = around.size() > 1;
-                        }
+                            has_like[k] = search.has_within(centres[k], like_within * scale[large[k]], 2);
                     });
     std::vector<std::array<int, 2>> pairs;
     std::vector<int> around;

@@ -58,6 +58,9 @@ void compare_with_brute_force(const Points& points, const Points& queries, const
             if (squared(i) <= radius * radius)
                 expected.push_back(i);
         EXPECT_EQ(within, expected) << what;
+        const int count = int(expected.size());
+        EXPECT_TRUE(search.has_within(query, radius, count)) << what;
+        EXPECT_FALSE(search.has_within(query, radius, count + 1)) << what;
     }
 }
 
@@ -135,6 +138,7 @@ TEST(BlockSearch, HasNoNeighboursAmongNoPoints)
         std::vector<int> within(3);
         search->within(Point::Zero(), 1e300, within);
         EXPECT_TRUE(within.empty());
+        EXPECT_FALSE(search->has_within(Point::Zero(), 1e300, 1));
         within.resize(1);
         double squared = 0, reach = 0;
         EXPECT_EQ(search->nearest(Point::Zero(), 1, within.data(), &squared, reach), 0);

@@ -170,6 +170,21 @@ TEST(PowerShape, OfAnExactSphereIsItsCentre)
     EXPECT_NEAR(shape.union_volume, 4 * pi / 3, 1e-3);
 }
 
+// All poles lie at one place: 4.5 times the Delaunay triangulation's time while each of them looked at all others.
+TEST(PowerShape, OfAnExactSphereIsNotQuadratic)
+{
+    const PowerShape shape = compute_power_shape(shapes::sphere(30000, 1, 1).points);
+    const auto seconds = [&](const std::string& phase)
+    {
+        double sum = 0;
+        for (const auto& [name, time] : shape.seconds)
+            sum += name == phase ? time : 0;
+        return sum;
+    };
+    EXPECT_GT(seconds("Delaunay triangulation"), 0);
+    EXPECT_LT(seconds("power diagram"), 1.5 * seconds("Delaunay triangulation"));
+}
+
 TEST(PowerShape, AFarOutlierHardlyChangesTheVolume)
 {
     Points points = shapes::with_noise(shapes::torus(3000, 1, 0.4, 1).points, 0.01, 2);
