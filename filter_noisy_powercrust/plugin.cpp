@@ -35,8 +35,8 @@ plugin::ParameterTable<Options> table()
                 "below the "
                 "spacing of the points.")
         .flag("smooth", &Options::smooth, "Smooth",
-              "Vertices of a noisy cloud's crust move onto its smooth surface, and edges follow creases. The topology "
-              "stays. Clean clouds are not smoothed.")
+              "Vertices of a noisy cloud's crust move onto its smooth surface, and edges follow creases; clean clouds "
+              "are not smoothed. What closes holes of the scan is drawn taut. The topology stays.")
         .flag("simplify", &Options::simplify, "Simplify",
               "Collapse short edges, to about one vertex per point that the crust was made of: at the point, with "
               "edges along creases, if the cloud is clean. The topology stays.")

@@ -9,6 +9,7 @@
 #include <recon/labelled_balls.h>
 #include <recon/nearest_samples.h>
 #include <recon/parallel.h>
+#include <recon/taut_closing.h>
 
 #include <algorithm>
 #include <cmath>
@@ -147,6 +148,11 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         frame.from_unit_in_place(mesh.vertices);
         smooth_mesh(mesh, *cloud.surface, options.threads, progress.part(0.9, 0.95, "smoothing"));
         mesh.vertices = frame.to_unit(mesh.vertices);
+    }
+    if (options.smooth)
+    {
+        times.begin("closing");
+        draw_bare_faces_taut(mesh, cloud.samples, labelling.threads);
     }
     times.begin("finish");
     if (options.trim_length > 0)

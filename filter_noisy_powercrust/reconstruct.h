@@ -22,7 +22,7 @@ struct NoisyPowerCrustOptions
     KeepComponents keep_components = KeepComponents::largest;
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
     bool smooth = true;     ///< The crust passes through denoised samples; other vertices of a noisy cloud's crust move
-                            ///< onto its AMLS surface.
+                            ///< onto its AMLS surface. Where there are no samples it is drawn taut.
     bool simplify = true;   ///< Collapse short edges, to about one vertex per sample, of a clean cloud at the sample.
     double trim_length = 0; ///< Drop triangles farther than this from every point [length], >= 0. 0 = keep closed.
     int threads = 0;        ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.

@@ -281,6 +281,34 @@ TEST(NoisyPowerCrust, ClosesAHoleOfTheScanAndTrimsItWhenAsked)
     EXPECT_TRUE(checks::examine_mesh(open.mesh).consistently_oriented);
 }
 
+TEST(NoisyPowerCrust, WhatClosesANoisyCupWithAWavyRimIsDrawnTaut)
+{
+    const double height = 1.2, wave = 0.05;
+    shapes::Random random(10);
+    Points cup;
+    while (cup.size() < 6000)
+    {
+        const double turn = 2 * pi * shapes::uniform(random), along = shapes::uniform(random);
+        const Point around(std::cos(turn), std::sin(turn), 0);
+        if (shapes::uniform(random) < 1 / (1 + 2 * (height + wave)))
+            cup.push_back(std::sqrt(along) * around);
+        else if (const double z = along * (height + wave); z < height + wave * std::sin(3 * turn))
+            cup.push_back(around + Point(0, 0, z));
+    }
+    NoisyPowerCrustOptions loose;
+    loose.smooth = false;
+    for (const double sigma : {0.0, 0.01})
+    {
+        const Points cloud = sigma > 0 ? shapes::with_noisy_copies(cup, sigma, 4, 5) : cup;
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(cloud);
+        const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_EQ(report.genus(), 0);
+        EXPECT_NEAR(report.volume / (pi * height), 1, 0.012);
+        EXPECT_GT(checks::examine_mesh(reconstruct_noisy_power_crust(cloud, loose).mesh).volume / (pi * height), 1.015);
+    }
+}
+
 TEST(NoisyPowerCrust, PapersRuleAndFixedThresholdWork)
 {
     const Points points = shapes::torus(4000, 1, 0.4, 5).points;

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <memory>
+#include <vector>
+
+namespace recon
+{
+
+/// Counts how many triangles of a mesh cut those that have a vertex that may move, wherever these vertices are.
+class TriangleCuts
+{
+public:
+    /// \param may_move per vertex; the others stay where they are in `mesh`, which must outlive this object.
+    /// \param threads >= 1.
+    TriangleCuts(const TriangleMesh& mesh, const std::vector<char>& may_move, int threads);
+    ~TriangleCuts();
+
+    /// Triangles with a vertex that may move, ascending.
+    const std::vector<int>& moving() const { return moving_; }
+
+    /// Per moving triangle, the number of triangles that it meets other than in corners and sides that they share.
+    /// Neighbours across a side never count, nor does what has no area. \param places of all vertices: moving ones no
+    /// farther out than the box of the moving triangles in the mesh.
+    std::vector<int> count(const Points& places) const;
+
+private:
+    class Tree;
+    const TriangleMesh& mesh_;
+    int threads_;
+    std::vector<int> moving_;
+    std::unique_ptr<Tree> held_;
+};
+
+} // namespace recon
