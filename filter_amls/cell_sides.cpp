@@ -14,7 +14,7 @@ namespace
 
 constexpr double cut = 2.2;             // widths
 constexpr double nearby = 1.4;          // sigmas: anchors that pass farther off lose weight
-constexpr double least_agreement = 0.4; // length of the mean of their normals
+constexpr double least_agreement = 0.1; // length of the mean of their normals
 constexpr double agreeing_cosine = 0.9; // of a normal that stays as it is
 constexpr double run_radius = 0.7;      // widths
 constexpr int longest_run = 32;

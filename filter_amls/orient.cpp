@@ -23,6 +23,8 @@ constexpr double opposite_weight = 0.98;
 constexpr int vote_rounds = 6;
 constexpr int vote_neighbours = 12;
 constexpr double least_vote = 0.1;
+/// Of a landmark's own vote beside one neighbour's: on thin parts neighbours may be of the other sheet, its balls not.
+constexpr double own_weight = 6;
 constexpr double off_sheet = 0.85; // spacings over the tangent plane: neighbours beyond may be of another sheet
 constexpr double gap_spacings = 8; // an edge this long spans a gap
 constexpr double open_share = 0.3; // of the area: single views have .38 to .67, closed models and busts up to .18
@@ -117,8 +119,8 @@ std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vecto
     return ties;
 }
 
-/// Flips normals that contradict the 12 points around them, beginning where neighbours in the triangulation contradict
-/// each other, since elsewhere all agree.
+/// Flips normals that the 12 points around them contradict more than their own balls confirm, beginning where
+/// neighbours in the triangulation contradict each other, since elsewhere all agree.
 void settle_votes(const Triangulation& t, const Points& points, const std::vector<double>& vote,
                   const std::vector<double>& spacing, int threads, Vectors& normals)
 {
@@ -146,11 +148,12 @@ void settle_votes(const Triangulation& t, const Points& points, const std::vecto
             [&](std::size_t i)
             {
                 const int v = asked[i];
-                double squared[vote_neighbours + 1], agreement = 0;
+                double squared[vote_neighbours + 1];
                 int* found = &near[i * (vote_neighbours + 1)];
                 double reach = 2.5 * spacing[v];
                 const int count = search.nearest(points[v], vote_neighbours + 1, found, squared, reach);
-                for (int k = 0; k < count; ++k)
+                double agreement = least_vote + own_weight * std::abs(vote[v]);
+                for (int k = 1; k < count; ++k) // the first is the landmark itself
                 {
                     const double off = normals[v].dot(points[found[k]] - points[v]) / (off_sheet * spacing[v]);
                     const double on_sheet = 1 / (1 + off * off);

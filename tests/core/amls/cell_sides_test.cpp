@@ -82,10 +82,12 @@ TEST(FollowAnchors, CellsBetweenSheetsKeepTheirSide)
     scene.add_cell({0.1, 0, 0}, {0, 0, 1});
     scene.add_cell({-0.3, 0.1, 0}, {0, 0, -1});
     scene.add_cell({0.3, 0.3, 2.5 * sigma}, {1, 0.1, 0});
+    scene.add_cell({0.2, -0.3, 0.2 * sigma}, {0, 0, -1});
     const Vectors found = scene.follow();
     EXPECT_EQ(found[0], scene.normals[0]);
     EXPECT_EQ(found[1], scene.normals[1]);
     EXPECT_GT(found[2].z(), 0.99) << "the nearer sheet is heard";
+    EXPECT_GT(found[3].z(), 0.99) << "be it by little";
 }
 
 TEST(FollowAnchors, KeepNormalsWhereNoAnchorIsNearAndDoNotDependOnThreads)

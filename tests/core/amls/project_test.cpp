@@ -142,6 +142,22 @@ TEST(AmlsProjection, FacesTheRightWayAtRims)
     EXPECT_LT(wrong, 1110);
 }
 
+TEST(AmlsProjection, FacesTheRightWayOnPlatesOfOneAndAHalfSpacings)
+{
+    // Where a landmark's balls weigh no more than those of one neighbour, .053 face the wrong way.
+    constexpr int n = 5300;
+    int wrong = 0;
+    for (const std::uint64_t seed : {1, 2, 3})
+    {
+        const OrientedSamples plate = shapes::box(n, Vector(50, 50, 1.5), seed);
+        const Points points = shapes::with_noise(plate.points, 0.2, seed + 5);
+        const AmlsProjection moved = project_to_amls(points, build_amls_surface(points));
+        for (std::size_t i = 0; i < points.size(); ++i)
+            wrong += !(moved.normals[i].dot(plate.normals[i]) > 0);
+    }
+    EXPECT_LT(wrong, 0.035 * 3 * n);
+}
+
 TEST(AmlsProjection, LeavesBothSidesOfAThinPlateWhereTheyAre)
 {
     // One sample a unit of area, noise of a tenth of the wall's thickness or more.
