@@ -26,7 +26,7 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
     OrientedSamples kept;
     std::vector<double> radii, expected;
     // In spatial order, so that the choice does not depend on the order of the input.
-    for (const int i : order_spatially(points).order)
+    for (const int i : order_input(points).order)
     {
         if (projected.status[i] == ProjectionStatus::outlier)
         {

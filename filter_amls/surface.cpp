@@ -248,7 +248,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
 
     times.begin("noise");
     auto data = std::make_shared<AmlsSurface::Data>(frame);
-    data->spatial = order_spatially(points);
+    data->spatial = order_input(points);
     for (int i : data->spatial.order)
         data->points.push_back(frame.to_unit(points[i]));
     NoiseOptions noise_options;

@@ -35,7 +35,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     times.begin("gate");
     check_spans_volume(points);
     PreparedSamples result(points);
-    result.order = order_spatially(points).order;
+    result.order = order_input(points).order;
     // Sorted, so that neither the order of the input nor equal points have a say in what follows.
     const Points sorted = points_at(result.order, points);
     result.distinct = result.frame.to_unit(sorted);

@@ -134,7 +134,7 @@ void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame,
                            const Progress& progress, UsableSamples& usable)
 {
     const double same = std::cos(crease_angle);
-    const SpatialOrder places = order_spatially(input.points);
+    const SpatialOrder places = order_input(input.points);
     std::vector<int> end(places.order.size(), 0), points(input.points.size()); // points place by place, ascending
     for (int place : places.representative)
         ++end[std::size_t(place)];

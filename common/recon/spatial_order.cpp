@@ -1,14 +1,21 @@
 #include <recon/spatial_order.h>
 
+#include <recon/block_search.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 namespace recon
 {
 namespace
 {
+
+/// Extent of a spot in that of the cloud, how many spots around it are empty, and its most points: it is no object.
+constexpr double spot_size = 1e-6, alone_within = 100;
+constexpr int most_in_spot = 1000;
 
 /// Spreads the low 21 bits so that two zero bits follow each.
 std::uint64_t spread_bits(std::uint64_t x)
@@ -115,6 +122,35 @@ void sort_along_curve(const Points& points, Entries::iterator begin, Entries::it
     }
 }
 
+/// Sorted points that lie in a spot with the next one of them.
+std::vector<int> list_crowded(const Points& sorted, double spot)
+{
+    std::vector<int> result;
+    for (int i = 0; i + 1 < int(sorted.size()); ++i)
+        if ((sorted[i + 1] - sorted[i]).norm() <= spot)
+            result.push_back(i);
+    return result;
+}
+
+/// Per sorted point the first one of its spot, mostly itself.
+std::vector<int> find_spots(const Points& sorted, const std::vector<int>& crowded, double spot)
+{
+    const int most = std::min(most_in_spot, int(sorted.size()) / 20);
+    std::vector<int> first(sorted.size()), group;
+    std::iota(first.begin(), first.end(), 0);
+    const BlockSearch search(sorted);
+    for (const int i : crowded)
+    {
+        if (first[i] != i || search.has_within(sorted[i], alone_within * spot, most + 1))
+            continue;
+        search.within(sorted[i], spot, group);
+        if (!search.has_within(sorted[i], alone_within * spot, int(group.size()) + 1))
+            for (const int member : group)
+                first[member] = group.front();
+    }
+    return first;
+}
+
 } // namespace
 
 SpatialOrder order_spatially(const Points& points)
@@ -133,6 +169,28 @@ SpatialOrder order_spatially(const Points& points)
             result.order.push_back(entry.index);
         result.representative[entry.index] = int(result.order.size()) - 1;
     }
+    return result;
+}
+
+SpatialOrder order_input(const Points& points)
+{
+    SpatialOrder result = order_spatially(points);
+    const Points sorted = points_at(result.order, points);
+    const double spot = spot_size * (sorted.empty() ? 0 : bounding_box(sorted).diagonal());
+    const std::vector<int> crowded = list_crowded(sorted, spot);
+    if (crowded.empty())
+        return result;
+    const std::vector<int> first = find_spots(sorted, crowded, spot);
+    std::vector<int> kept, place(sorted.size());
+    for (int i = 0; i < int(sorted.size()); ++i)
+    {
+        if (first[i] == i)
+            kept.push_back(result.order[i]);
+        place[i] = first[i] == i ? int(kept.size()) - 1 : place[first[i]];
+    }
+    result.order = std::move(kept);
+    for (int& representative : result.representative)
+        representative = place[representative];
     return result;
 }
 

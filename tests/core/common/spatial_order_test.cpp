@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 using namespace recon;
 
@@ -59,4 +60,33 @@ TEST(OrderSpatially, TakesEmptyAndEqualPoints)
 {
     EXPECT_TRUE(order_spatially({}).order.empty());
     EXPECT_EQ(order_spatially(Points(7, Point(1, 1, 1))).order, std::vector<int>{0});
+}
+
+TEST(OrderInput, TakesTheEndOfMeridiansForOnePoint)
+{
+    for (const double radius : {1e-16, 1e-8, 1e-6})
+    {
+        Points points = shapes::sphere(3000, 1, 1).points;
+        for (int i = 0; i < 100; ++i)
+            points.emplace_back(5 + radius * std::cos(0.0628 * i), radius * std::sin(0.0628 * i), 1);
+        const SpatialOrder spatial = order_input(points);
+        EXPECT_EQ(spatial.order.size(), 3001u) << radius;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            EXPECT_LE((points[spatial.order[spatial.representative[i]]] - points[i]).norm(), 2 * radius);
+        EXPECT_EQ(order_spatially(points).order.size(), 3100u) << radius;
+    }
+}
+
+// Objects may be small beside the distance to others, and dense parts go on beyond a spot.
+TEST(OrderInput, KeepsSmallObjectsAndDenseParts)
+{
+    Points points = shapes::sphere(1000, 1, 1).points;
+    for (const Point& p : shapes::sphere(1000, 1e-8, 2).points)
+        points.push_back(p + Point(5, 0, 0));
+    EXPECT_EQ(order_input(points).order.size(), points.size());
+    points = shapes::sphere(3000, 1, 1).points;
+    for (int i = 1; i < 100; ++i)
+        points.emplace_back(5 + std::pow(0.8, i), 0, 0); // down to 2.6e-10
+    EXPECT_GT(order_input(points).order.size(), points.size() - 40);
+    EXPECT_TRUE(order_input({}).order.empty());
 }
