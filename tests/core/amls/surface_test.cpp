@@ -319,6 +319,24 @@ TEST(AmlsSurface, FewPointsKeepTheirShape)
         EXPECT_LT(shapes::rms(project_all(shapes::sphere(n, 1, 47).points).points, distance), 0.1) << n;
 }
 
+TEST(AmlsSurface, SixPointsSeldomFaceInward)
+{
+    // So few landmarks that balls hardly tell the sides: then the enclosed volume does. Without it 21 are inside out.
+    constexpr int n = 6;
+    int inside_out = 0;
+    const auto try_shape = [&](const OrientedSamples& shape, std::uint64_t seed)
+    {
+        const AmlsProjection result = project_all(shapes::with_noise(shape.points, seed % 2 ? 0.02 : 1e-4, seed));
+        inside_out += oriented_share(result, shape.normals) < 0.5;
+    };
+    for (std::uint64_t seed = 1; seed <= 60; ++seed)
+    {
+        try_shape(shapes::sphere(n, 1, seed), seed);
+        try_shape(shapes::box(n, Vector(1, 0.7, 0.5), seed), seed);
+    }
+    EXPECT_LT(inside_out, 17);
+}
+
 TEST(AmlsSurface, SurvivesStrangeClouds)
 {
     const auto check = [](const Points& points, const char* what)
