@@ -69,6 +69,12 @@ RECON_INLINE void measure_points(const BlockSearch::Leaf& leaf, const double* q,
 /// What the queries read.
 struct Tree
 {
+    Tree(const std::vector<BlockSearch::Leaf>& all_leaves, const std::vector<const BlockSearch::Box*>& starts,
+         std::size_t points)
+        : leaves(all_leaves.data()), levels(starts.data()), level_count(int(starts.size())), size(std::int64_t(points))
+    {
+    }
+
     const BlockSearch::Leaf* leaves;
     const BlockSearch::Box* const* levels;
     int level_count;
@@ -293,7 +299,7 @@ int BlockSearch::nearest(const Point& query, int k, int* indices, double* square
     k = int(std::min<std::size_t>(size_, std::size_t(std::max(k, 0))));
     if (k == 0)
         return 0;
-    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size()), std::int64_t(size_)};
+    const Tree tree(leaves_, level_starts_, size_);
     Candidates candidates;
     // A guess may be far off: the last query lay among other spacings.
     const std::size_t most = std::size_t(8 * k + 8 * fan);
@@ -333,13 +339,13 @@ void BlockSearch::within(const Point& query, double radius, std::vector<int>& in
     indices.clear();
     if (size_ == 0)
         return;
-    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size()), std::int64_t(size_)};
+    const Tree tree(leaves_, level_starts_, size_);
     collect_within(tree, query.data(), limit_of(radius), &indices);
 }
 
 bool BlockSearch::has_within(const Point& query, double radius, int wanted) const
 {
-    const Tree tree{leaves_.data(), level_starts_.data(), int(level_starts_.size()), std::int64_t(size_)};
+    const Tree tree(leaves_, level_starts_, size_);
     return size_ > 0 && find_within(tree, query.data(), limit_of(radius), wanted);
 }
 

@@ -60,7 +60,6 @@ double measure_missed_points(const Points& points, const TriangleMesh& mesh, con
 double measure_bare_area(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search, int threads,
                          const Progress& progress)
 {
-    constexpr double reach = 2; // spacings
     std::vector<double> area_up_to;
     double area = 0;
     for (const auto& t : mesh.triangles)
@@ -81,7 +80,7 @@ double measure_bare_area(const Points& points, const TriangleMesh& mesh, const N
                      const auto& t = mesh.triangles[std::size_t(found - area_up_to.begin())];
                      const Point centre = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;
                      const Point& nearest = points[search.nearest(centre)];
-                     is_bare[i] = (centre - nearest).norm() > reach * measure_spacing_at(nearest, search);
+                     is_bare[i] = (centre - nearest).norm() > bare_beyond * measure_spacing_at(nearest, search);
                  });
     return double(std::count(is_bare.begin(), is_bare.end(), 1)) / double(asked);
 }

@@ -6,6 +6,9 @@
 namespace recon
 {
 
+/// A surface is bare where it is farther than this from every point [spacings of the nearest].
+constexpr double bare_beyond = 2;
+
 /// How far a surface and the points that it is to be of part, whatever the labels that made it say.
 struct Mismatch
 {

@@ -1,6 +1,7 @@
 #include <recon/taut_closing.h>
 
 #include <recon/disjoint_sets.h>
+#include <recon/mismatch.h>
 #include <recon/nearest_samples.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
@@ -23,8 +24,6 @@ namespace
 
 using Corners = std::array<int, 3>;
 
-/// Distance from every sample above which a vertex is bare [spacings], as in measure_bare_area().
-constexpr double reach = 2;
 /// What is cut keeps this share of its way, again and again, and below the second one stays.
 constexpr double kept_way = 0.75, least_way = 0.1;
 /// Rounds in which vertices are held back [count]; in trials the last cut was clear after 7.
@@ -40,7 +39,7 @@ std::vector<char> find_bare_vertices(const TriangleMesh& mesh, const Points& sam
                  {
                      if (nearest.squared[v] > 0) // most are samples
                          result[v] = std::sqrt(nearest.squared[v]) >
-                                     reach * measure_spacing_at(samples[nearest.sample[v]], search);
+                                     bare_beyond * measure_spacing_at(samples[nearest.sample[v]], search);
                  });
     return result;
 }
