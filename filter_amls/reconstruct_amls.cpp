@@ -11,7 +11,9 @@
 #include <recon/errors.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/taut_closing.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace recon
@@ -138,6 +140,21 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     return LabelledSamples{frame, std::move(distinct), std::move(labelled)};
 }
 
+/// Over holes of the scan. \param is_on_surface loses the vertices that move.
+void draw_closings_taut(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads)
+{
+    const Points before = found.frame.to_unit(mesh.vertices);
+    TriangleMesh taut{before, mesh.triangles};
+    if (draw_bare_faces_taut(taut, found.samples, threads) == 0)
+        return;
+    for (std::size_t v = 0; v < before.size(); ++v)
+        if (taut.vertices[v] != before[v])
+        {
+            is_on_surface[v] = 0;
+            mesh.vertices[v] = found.frame.from_unit(taut.vertices[v]);
+        }
+}
+
 } // namespace
 
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
@@ -172,12 +189,16 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     if (const std::string text = describe(dropped); !text.empty())
         result.warnings.push_back(text);
     found->frame.from_unit_in_place(result.mesh.vertices);
+    std::vector<char> is_on_surface(result.mesh.vertices.size(), 0);
     if (!is_exact)
     {
         times.begin("smooth");
-        result.vertices_on_surface =
+        is_on_surface =
             smooth_mesh(result.mesh, surface, options.threads, progress.part(0.85, 0.95, "projection of the mesh"));
     }
+    times.begin("closing");
+    draw_closings_taut(result.mesh, *found, is_on_surface, labelling.threads);
+    result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));
     times.begin("finish");
     const NeighbourSearch search(points);
     result.nearest_sample.resize(result.mesh.vertices.size());

@@ -41,9 +41,9 @@ struct AmlsReconstruction
 /// Reconstructs a surface from noisy points without normals (Dey and Sun 2005, section 7): normals, widths, projection,
 /// and in place of Cocone a power crust of the projected, thinned points, told inside from outside by an exact cut with
 /// their normals. Its vertices are then projected onto I = 0; the topology stays. It is closed where the data closes,
-/// and over holes. A cloud without noise (cleanness.h) makes the crust as it is, which then passes through its points,
-/// unless it is so open that neither they nor the surface's normals tell inside from outside. \throws InvalidInput,
-/// AlgorithmFailure, Cancelled.
+/// and over holes, drawn taut there. A cloud without noise (cleanness.h) makes the crust as it is, which then passes
+/// through its points, unless it is so open that neither they nor the surface's normals tell inside from outside.
+/// \throws InvalidInput, AlgorithmFailure, Cancelled.
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options = {},
                                     const Progress& progress = {});
 

@@ -9,7 +9,7 @@
 namespace recon
 {
 
-int smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, const Progress& progress)
+std::vector<char> smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, const Progress& progress)
 {
     AmlsProjectionOptions options;
     options.threads = threads;
@@ -58,14 +58,14 @@ int smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, con
             if (reduce[v])
                 share[v] = round + 2 < rounds ? 0.5 * share[v] : 0;
     }
-    int count = 0;
+    std::vector<char> moved(n, 0);
     for (std::size_t v = 0; v < n; ++v)
         if (share[v] > 0)
         {
             mesh.vertices[v] = position(int(v));
-            ++count;
+            moved[v] = 1;
         }
-    return count;
+    return moved;
 }
 
 } // namespace recon

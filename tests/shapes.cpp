@@ -150,6 +150,22 @@ Points with_noise(const Points& points, double sigma, std::uint64_t seed)
     return result;
 }
 
+Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed)
+{
+    Random random(seed);
+    Points points;
+    while (int(points.size()) < n)
+    {
+        const double turn = 2 * pi * uniform(random), along = uniform(random);
+        const Point around(std::cos(turn), std::sin(turn), 0);
+        if (uniform(random) < 1 / (1 + 2 * (height + wave)))
+            points.push_back(std::sqrt(along) * around);
+        else if (const double z = along * (height + wave); z < height + wave * std::sin(3 * turn))
+            points.push_back(around + Point(0, 0, z));
+    }
+    return points;
+}
+
 Points thin_plate(int side, double thickness, std::uint64_t seed)
 {
     Random random(seed);

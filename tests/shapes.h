@@ -27,6 +27,9 @@ recon::OrientedSamples capsule(int n, double radius, double half_length, std::ui
 /// The two faces of a square plate of `side` spacings, one sample a unit of area, jittered within the faces.
 recon::Points thin_plate(int side, double thickness, std::uint64_t seed);
 
+/// Floor and wall of a cup of radius 1 along z, whose rim at `height` goes up and down by `wave` three times around.
+recon::Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed);
+
 /// Distance to the surface, >= 0.
 double distance_to_sphere(const recon::Point& p, double radius);
 double distance_to_torus(const recon::Point& p, double major, double minor);

@@ -156,6 +156,21 @@ TEST(ReconstructAmls, ProjectsPointsThatAreNoisyInParts)
     EXPECT_GT(found.vertices_on_surface, 0.99 * double(found.mesh.vertices.size()));
 }
 
+TEST(ReconstructAmls, WhatClosesACupWithAWavyRimIsDrawnTaut)
+{
+    const double height = 1.2;
+    const Points cup = shapes::cup_with_wavy_rim(6000, height, 0.05, 10);
+    for (const double sigma : {0.0, 0.01})
+    {
+        const AmlsReconstruction found =
+            reconstruct_amls(sigma > 0 ? shapes::with_noisy_copies(cup, sigma, 4, 5) : cup);
+        const checks::MeshReport report = checks::examine_mesh(found.mesh);
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_EQ(report.genus(), 0);
+        EXPECT_NEAR(report.volume / (pi * height), 1, 0.012);
+    }
+}
+
 TEST(ReconstructAmls, DoesNotDependOnThreads)
 {
     const Points points = shapes::with_noisy_copies(shapes::sphere(1500, 1, 1).points, 0.01, 4, 2);

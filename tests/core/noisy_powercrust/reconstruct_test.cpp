@@ -305,18 +305,8 @@ TEST(NoisyPowerCrust, ClosesAHoleOfTheScanAndTrimsItWhenAsked)
 
 TEST(NoisyPowerCrust, WhatClosesANoisyCupWithAWavyRimIsDrawnTaut)
 {
-    const double height = 1.2, wave = 0.05;
-    shapes::Random random(10);
-    Points cup;
-    while (cup.size() < 6000)
-    {
-        const double turn = 2 * pi * shapes::uniform(random), along = shapes::uniform(random);
-        const Point around(std::cos(turn), std::sin(turn), 0);
-        if (shapes::uniform(random) < 1 / (1 + 2 * (height + wave)))
-            cup.push_back(std::sqrt(along) * around);
-        else if (const double z = along * (height + wave); z < height + wave * std::sin(3 * turn))
-            cup.push_back(around + Point(0, 0, z));
-    }
+    const double height = 1.2;
+    const Points cup = shapes::cup_with_wavy_rim(6000, height, 0.05, 10);
     NoisyPowerCrustOptions loose;
     loose.smooth = false;
     for (const double sigma : {0.0, 0.01})
