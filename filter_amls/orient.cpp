@@ -17,8 +17,7 @@ namespace recon
 namespace
 {
 
-constexpr double big_spacings = 3;   // a ball of this many spacings is fully trusted
-constexpr double outside_weight = 2; // of the tie between the infinite cells and the outside
+constexpr double big_spacings = 3; // a ball of this many spacings is fully trusted
 constexpr double opposite_weight = 0.98;
 constexpr int vote_rounds = 6;
 constexpr int vote_neighbours = 12;
@@ -84,24 +83,36 @@ double pole_cosine(const Balls& balls, const Points& points, const Vectors& norm
     return std::abs((balls.delaunay.centres[cell] - points[v]).dot(normals[v])) / std::max(balls.radius[cell], 1e-300);
 }
 
+/// Whether a cell is one of the few at the sides of the box, which lie outside whatever ties say: as a tie of some
+/// weight that was outvoted by a thin plate.
+bool is_outermost(const Triangulation& t, int cell)
+{
+    const auto& neighbours = t.cells[cell].neighbours;
+    return std::any_of(neighbours.begin(), neighbours.end(), [&](int o) { return !t.is_finite(o); });
+}
+
+/// Between balls by cell, the outermost ones as the outside, which is the number of finite cells.
 std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals)
 {
     const Triangulation& t = balls.delaunay;
     const int outside = t.finite_cells;
     std::vector<Tie> ties;
     ties.reserve(2 * std::size_t(t.finite_cells) + points.size());
+    const auto tie = [&](int a, int b, double weight, bool opposite)
+    {
+        a = is_outermost(t, a) ? outside : a;
+        b = is_outermost(t, b) ? outside : b;
+        if (weight > 0 && a != b)
+            ties.push_back({a, b, float(weight), opposite});
+    };
     for (int c = 0; c < t.finite_cells; ++c)
         for (int o : t.cells[c].neighbours)
         {
-            if (!t.is_finite(o))
-                ties.push_back({outside, c, float(outside_weight), false});
-            else if (o > c)
+            if (t.is_finite(o) && o > c)
             {
                 const double cosine =
                     intersection_cosine(balls.radius[c], balls.radius[o], (t.centres[c] - t.centres[o]).squaredNorm());
-                const double weight = cosine * std::min(balls.big[c], balls.big[o]);
-                if (weight > 0)
-                    ties.push_back({c, o, float(weight), false});
+                tie(c, o, cosine * std::min(balls.big[c], balls.big[o]), false);
             }
         }
     for (std::size_t v = 0; v < points.size(); ++v)
@@ -113,8 +124,7 @@ std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vecto
             opposite_weight *
             std::min(pole_cosine(balls, points, normals, int(v), a), pole_cosine(balls, points, normals, int(v), b)) *
             std::min(balls.big[a], balls.big[b]);
-        if (weight > 0)
-            ties.push_back({a, b, float(weight), true});
+        tie(a, b, weight, true);
     }
     return ties;
 }
@@ -235,7 +245,10 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     const Triangulation& t = balls.delaunay;
     const std::vector<Tie> ties = list_ties(balls, points, normals);
     progress.part(0.6, 0.9, "Orientation").report(0);
-    const BallLabels labels = label_balls(t.finite_cells, ties, threads);
+    BallLabels labels = label_balls(t.finite_cells, ties, threads);
+    for (int c = 0; c < t.finite_cells; ++c)
+        if (is_outermost(t, c))
+            labels.side[c] = 1;
     progress.part(0.9, 1, "Orientation").report(0);
 
     Orientation result;

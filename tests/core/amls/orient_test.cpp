@@ -157,6 +157,44 @@ TEST(OrientNormals, AgreeWithTheirNeighboursOnARoughCloud)
     EXPECT_LE(wrong, 5);
 }
 
+TEST(OrientNormals, TrustBallsAsFarAsTheyAreLargerThanTheSpacing)
+{
+    // So rough that balls between the samples are as many as others; were they trusted as well, 83 would err, and 17 if
+    // balls of half the size were trusted fully.
+    const int n = 6000;
+    const double spacing = std::sqrt(4 * M_PI * M_PI * 0.3 / n);
+    int wrong = 0;
+    for (const std::uint64_t seed : {1, 2, 3})
+    {
+        OrientedSamples rough = shapes::torus(n, 1, 0.3, seed);
+        rough.points = shapes::with_noise(rough.points, 0.7 * spacing, seed + 5);
+        Landmarks torus;
+        torus.add(rough, spacing);
+        torus.scale(0.3);
+        wrong += torus.wrong(torus.orient());
+    }
+    EXPECT_LE(wrong, 5);
+}
+
+TEST(OrientNormals, WhatReachesOutIsOutsideWhateverAPlateSays)
+{
+    // One spacing thick and rough: many a landmark has its poles above and below the plate, whose number would outvote
+    // a tie of some weight between the outermost balls and the outside; then half of the plate faces inward, in each of
+    // the six.
+    constexpr int n = 5200;
+    int right = 0;
+    for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6})
+    {
+        Landmarks plate;
+        OrientedSamples rough = shapes::box(n, Vector(50, 50, 1), seed);
+        rough.points = shapes::with_noise(rough.points, 0.15, seed + 10);
+        plate.add(rough, 1);
+        plate.scale(0.01);
+        right += plate.wrong(plate.orient()) < 0.01 * n;
+    }
+    EXPECT_GE(right, 4);
+}
+
 TEST(OrientNormals, ListenToNeighboursOfTheirOwnSheet)
 {
     // Two spacings thick and rough: among the neighbours of a landmark are as many of the other side, which rightly
