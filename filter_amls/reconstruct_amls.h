@@ -16,7 +16,7 @@ namespace recon
 /// Options of reconstruct_amls(). Lengths are in input units.
 struct AmlsReconstructionOptions : AmlsOptions
 {
-    KeepComponents keep_components = KeepComponents::largest;
+    KeepComponents keep_components = KeepComponents::automatic;
     bool simplify = true; ///< Collapse short edges, to about one vertex per sample.
 };
 

@@ -19,7 +19,7 @@ struct NoisyPowerCrustOptions
     double ball_threshold = 0;    ///< Smallest polar ball kept [length], >= 0. 0 = automatic and local.
     double noise = 0;             ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
     double deep_intersection = 0; ///< Cosine above which neighbouring balls agree, 0..1. 0 = weighed in samples.
-    KeepComponents keep_components = KeepComponents::largest;
+    KeepComponents keep_components = KeepComponents::automatic;
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
     bool smooth = true;     ///< The crust passes through denoised samples; other vertices of a noisy cloud's crust move
                             ///< onto its AMLS surface. Where there are no samples it is drawn taut.

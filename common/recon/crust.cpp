@@ -90,12 +90,9 @@ TriangleMesh make_crust(CrustPolygons polygons, const LabelledBalls& labelled, c
     TriangleMesh mesh = options.simplify ? simplify(std::move(polygons), labelled, options, progress)
                                          : triangulate_polygons(polygons, options.threads);
     // After the collapse, which leaves a tenth of the triangles.
-    if (options.keep_components == KeepComponents::largest)
-    {
-        const DroppedBodies bodies = keep_largest_component(mesh);
-        if (dropped)
-            *dropped = bodies;
-    }
+    const DroppedBodies bodies = drop_components(mesh, options.keep_components);
+    if (dropped)
+        *dropped = bodies;
     progress.report(1);
     return mesh;
 }

@@ -11,16 +11,10 @@
 namespace recon
 {
 
-enum class KeepComponents
-{
-    largest, ///< Only the component with the largest enclosed volume.
-    all
-};
-
 /// Options of make_crust().
 struct CrustOptions
 {
-    KeepComponents keep_components = KeepComponents::largest;
+    KeepComponents keep_components = KeepComponents::automatic;
     bool simplify = true;                 ///< Collapse short edges.
     int target_vertices = 0;              ///< Vertices to collapse down to, as far as no long edge must go [count].
     const Points* interpolated = nullptr; ///< With `simplify`: the labelled samples, if they are free of noise; the
@@ -29,7 +23,7 @@ struct CrustOptions
 };
 
 /// Crust of labelled balls, in the unit frame: extracted, stray shells dropped, short edges collapsed. A closed
-/// oriented manifold. \param dropped with KeepComponents::largest what was left out. \throws AlgorithmFailure if no
+/// oriented manifold. \param dropped what was left out. \throws AlgorithmFailure if no
 /// inner ball is left. \throws Cancelled.
 TriangleMesh make_crust(const LabelledBalls& labelled, const CrustOptions& options, const Progress& progress = {},
                         DroppedBodies* dropped = nullptr);

@@ -243,27 +243,34 @@ std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& kee
     return former;
 }
 
-DroppedBodies keep_largest_component(TriangleMesh& mesh)
+DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept)
 {
-    constexpr double smallest_body = 0.01;
+    constexpr double smallest_body = 0.01, smallest_share_of_triangles = 0.05;
+    DroppedBodies dropped;
     const MeshComponents components = find_components(mesh);
+    if (kept == KeepComponents::all || components.count < 2)
+        return dropped;
     std::vector<double> volume(std::size_t(components.count), 0);
+    std::vector<std::size_t> triangles(volume.size(), 0);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     {
         const auto& t = mesh.triangles[i];
-        volume[components.of_triangle[i]] +=
-            mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
+        const int component = components.of_triangle[i];
+        volume[component] += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
+        ++triangles[component];
     }
     const int largest = int(std::max_element(volume.begin(), volume.end()) - volume.begin());
+    const double enough = smallest_share_of_triangles * *std::max_element(triangles.begin(), triangles.end());
+    const auto is_kept = [&](int component)
+    { return component == largest || (kept == KeepComponents::automatic && triangles[component] >= enough); };
     std::vector<char> keep;
     for (const int component : components.of_triangle)
-        keep.push_back(component == largest);
+        keep.push_back(is_kept(component));
     keep_triangles(mesh, keep);
-    DroppedBodies dropped;
     for (int component = 0; component < components.count; ++component)
     {
         const double share = volume[component] / volume[largest]; // of a hollow negative
-        if (component == largest || !(share >= smallest_body))
+        if (is_kept(component) || !(share >= smallest_body))
             continue;
         ++dropped.count;
         dropped.volume += share;

@@ -20,7 +20,7 @@ NOISY_POWER_CRUST = FilterSpec(
     [("ball_threshold", "RichAbsPerc", 0.0, None),
      ("noise", "RichAbsPerc", 0.0, None),
      ("deep_intersection", "RichFloat", 0.0, None),
-     ("keep_components", "RichEnum", "largest", ["largest", "all"]),
+     ("keep_components", "RichEnum", "automatic", ["largest", "all", "automatic"]),
      ("denoise", "RichEnum", "automatic", ["automatic", "on", "off"]),
      ("smooth", "RichBool", True, None),
      ("simplify", "RichBool", True, None),
@@ -71,7 +71,7 @@ AMLS_RECONSTRUCTION = FilterSpec(
     "generate_surface_reconstruction_amls",
     [("rho_e", "RichFloat", 0.0, None),
      ("noise", "RichAbsPerc", 0.0, None),
-     ("keep_components", "RichEnum", "largest", ["largest", "all"]),
+     ("keep_components", "RichEnum", "automatic", ["largest", "all", "automatic"]),
      ("simplify", "RichBool", True, None),
      ("selected_only", "RichBool", False, None),
      ("threads", "RichInt", 0, None)])

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <utility>
 
 using namespace recon;
 
@@ -277,7 +278,7 @@ TEST(CollapseShortEdges, KeepsTheTopologyAndTheShapeForAnyNumberOfThreads)
     }
 }
 
-TEST(KeepLargestComponent, KeepsTheOneThatEnclosesMost)
+TEST(DropComponents, LargestKeepsTheOneThatEnclosesMost)
 {
     const std::vector<std::array<int, 3>> faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     TriangleMesh mesh;
@@ -289,11 +290,39 @@ TEST(KeepLargestComponent, KeepsTheOneThatEnclosesMost)
         for (const auto& f : faces)
             mesh.triangles.push_back({f[0] + base, f[1] + base, f[2] + base});
     }
-    const DroppedBodies dropped = keep_largest_component(mesh);
+    const DroppedBodies dropped = drop_components(mesh, KeepComponents::largest);
     EXPECT_EQ(dropped.count, 2);
     EXPECT_NEAR(dropped.volume, (8.0 + 1) / 27, 1e-9);
     EXPECT_EQ(mesh.vertices.size(), 4u);
     EXPECT_NEAR(checks::examine_mesh(mesh).volume, 27.0 / 6, 1e-9);
+}
+
+// Not its size tells whether a body is stray, but how many samples it holds.
+TEST(DropComponents, AutomaticKeepsWhatHoldsATwentiethOfTheTriangles)
+{
+    const auto append_bipyramid = [](TriangleMesh& mesh, int sides, double x)
+    {
+        const int base = int(mesh.vertices.size());
+        mesh.vertices.push_back(Point(x, 0, -1));
+        mesh.vertices.push_back(Point(x, 0, 1));
+        for (int k = 0; k < sides; ++k)
+        {
+            const double angle = 2 * std::acos(-1.0) * k / sides;
+            mesh.vertices.push_back(Point(x + std::cos(angle), std::sin(angle), 0));
+            const int here = base + 2 + k, next = base + 2 + (k + 1) % sides;
+            mesh.triangles.push_back({base, next, here});
+            mesh.triangles.push_back({base + 1, here, next});
+        }
+    };
+    for (const auto& [sides, kept] : {std::pair{9, 1}, std::pair{10, 2}})
+    {
+        TriangleMesh mesh;
+        append_bipyramid(mesh, 200, 0);
+        append_bipyramid(mesh, sides, 4);
+        const DroppedBodies dropped = drop_components(mesh, KeepComponents::automatic);
+        EXPECT_EQ(find_components(mesh).count, kept);
+        EXPECT_EQ(dropped.count, 2 - kept);
+    }
 }
 
 TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)

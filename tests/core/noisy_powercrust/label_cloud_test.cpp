@@ -89,9 +89,7 @@ TEST(NoisyPowerCrust, ACupBesideARodSampledOnItsRimsIsNotFilled)
         flat_shapes::append_ring(rims, 72, 0, z, radius, corners);
     for (const Point& p : shapes::with_noisy_copies(rims, noise, 4, 5))
         points.push_back(p);
-    NoisyPowerCrustOptions options;
-    options.keep_components = KeepComponents::all;
-    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points, options);
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
     const checks::MeshReport report = checks::examine_mesh(crust.mesh);
     EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
     EXPECT_EQ(report.components, 2);

@@ -221,21 +221,32 @@ TEST(NoisyPowerCrust, DuplicatesAndOutliersChangeLittle)
     EXPECT_NEAR(report.volume, 4 * pi / 3, 0.05 * 4 * pi / 3);
 }
 
-TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
+TEST(NoisyPowerCrust, KeepsBothBodiesOfAScene)
 {
     Points points = shapes::sphere(3000, 1, 5).points;
     for (const Point& p : shapes::sphere(1500, 0.5, 6).points)
         points.push_back(p + Point(4, 0, 0));
     NoisyPowerCrustOptions options;
-    const NoisyPowerCrust larger = reconstruct_noisy_power_crust(points, options);
-    EXPECT_EQ(larger.components, 1);
-    ASSERT_EQ(larger.warnings.size(), 1u);
-    EXPECT_NE(larger.warnings[0].find("1 other body was left out, with 12 %"), std::string::npos) << larger.warnings[0];
-    options.keep_components = KeepComponents::all;
     const NoisyPowerCrust both = reconstruct_noisy_power_crust(points, options);
     EXPECT_EQ(both.components, 2);
     EXPECT_TRUE(both.warnings.empty());
     EXPECT_NEAR(checks::examine_mesh(both.mesh).volume, 4 * pi / 3 * 1.125, 0.1);
+    options.keep_components = KeepComponents::largest;
+    const NoisyPowerCrust larger = reconstruct_noisy_power_crust(points, options);
+    EXPECT_EQ(larger.components, 1);
+    ASSERT_EQ(larger.warnings.size(), 1u);
+    EXPECT_NE(larger.warnings[0].find("1 other body was left out, with 12 %"), std::string::npos) << larger.warnings[0];
+}
+
+TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
+{
+    Points points = shapes::sphere(3000, 1, 5).points;
+    for (const Point& p : shapes::sphere(60, 0.5, 6).points)
+        points.push_back(p + Point(4, 0, 0));
+    NoisyPowerCrustOptions options;
+    EXPECT_EQ(reconstruct_noisy_power_crust(points, options).components, 1);
+    options.keep_components = KeepComponents::all;
+    EXPECT_EQ(reconstruct_noisy_power_crust(points, options).components, 2);
 }
 
 TEST(NoisyPowerCrust, AnExactCavityStays)
@@ -244,9 +255,7 @@ TEST(NoisyPowerCrust, AnExactCavityStays)
     Points points = shapes::sphere(6000, 1, 1).points;
     const Points cavity = shapes::sphere(3000, 0.5, 2).points;
     points.insert(points.end(), cavity.begin(), cavity.end());
-    NoisyPowerCrustOptions options;
-    options.keep_components = KeepComponents::all;
-    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points, options).mesh);
+    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points).mesh);
     EXPECT_EQ(report.components, 2);
     EXPECT_NEAR(report.volume, 4 * pi / 3 * (1 - 0.125), 0.02);
 }
@@ -265,9 +274,7 @@ TEST(NoisyPowerCrust, EndsOfMeridiansDoNotOutweighTheRest)
             const Point p(std::sin(u) * std::cos(v), std::sin(u) * std::sin(v), std::cos(u));
             points.insert(points.end(), {p, 0.7 * p});
         }
-    NoisyPowerCrustOptions options;
-    options.keep_components = KeepComponents::all;
-    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points, options).mesh);
+    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points).mesh);
     EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
     EXPECT_EQ(report.components, 2);
     EXPECT_NEAR(report.volume, 4 * pi / 3 * (1 - 0.343), 0.03);
