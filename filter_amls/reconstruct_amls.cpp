@@ -144,7 +144,7 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
 void draw_closings_taut(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads)
 {
     const Points before = found.frame.to_unit(mesh.vertices);
-    TriangleMesh taut{before, mesh.triangles};
+    TriangleMesh taut{before, mesh.triangles, {}};
     if (draw_bare_faces_taut(taut, found.samples, threads) == 0)
         return;
     for (std::size_t v = 0; v < before.size(); ++v)
