@@ -169,6 +169,32 @@ CrustPolygons contract(const CrustPolygons& polygons, const std::vector<int>& cl
                   });
 }
 
+/// Whether the mesh has lost a body: all of its corners lay in two clusters, or in clusters one after the other.
+bool has_lost_a_body(const CrustPolygons& polygons, const WeldedCrust& welded)
+{
+    // Closed surfaces: each edge has two corners of polygons, each triangle three halves of an edge.
+    const auto vertices = std::ptrdiff_t(polygons.vertices.size()), faces = std::ptrdiff_t(polygons.first.size()) - 1,
+               corners = std::ptrdiff_t(polygons.corners.size());
+    const std::vector<int>& degree = welded.half_edges.degree;
+    const auto unused = std::count(degree.begin(), degree.end(), 0);
+    return 2 * (vertices + faces) - corners != 2 * (vertices - unused) - std::ptrdiff_t(welded.mesh.triangles.size());
+}
+
+/// Marks the clusters of bodies of which no triangle is left.
+void mark_lost_bodies(const CrustPolygons& polygons, const WeldedCrust& welded, const std::vector<int>& cluster,
+                      std::vector<char>& is_marked)
+{
+    DisjointSets bodies(cluster.size());
+    for (std::size_t p = 0; p + 1 < polygons.first.size(); ++p)
+        for_each_side(polygons, p, [&](int a, int b) { bodies.join(a, b); });
+    std::vector<char> is_left(cluster.size(), 0);
+    for (const auto& t : welded.mesh.triangles)
+        is_left[bodies.find(t[0])] = 1;
+    for (int i = 0; i < int(cluster.size()); ++i)
+        if (!is_left[bodies.find(i)])
+            is_marked[cluster[i]] = 1;
+}
+
 } // namespace
 
 WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<double>& scale,
@@ -191,13 +217,16 @@ WeldedCrust weld_clusters(const CrustPolygons& polygons, const std::vector<doubl
         contracted.vertices = points_at(corner, polygons.vertices);
         result.mesh = triangulate_polygons(contracted, threads);
         result.half_edges = pair_half_edges(result.mesh, threads);
-        if (result.half_edges.faulty.empty() || round > rounds)
+        const bool is_whole = result.half_edges.faulty.empty() && !has_lost_a_body(polygons, result);
+        if (is_whole || round > rounds)
             break;
         // After the last round, as good as never: the crust as it is.
         std::fill(is_bad.begin(), is_bad.end(), char(round == rounds));
         for (const int t : result.half_edges.faulty)
             for (const int v : result.mesh.triangles[t])
                 is_bad[v] = 1;
+        if (result.half_edges.faulty.empty())
+            mark_lost_bodies(polygons, result, cluster, is_bad);
         dissolve(is_bad, cluster);
     }
 

@@ -280,6 +280,20 @@ TEST(NoisyPowerCrust, EndsOfMeridiansDoNotOutweighTheRest)
     EXPECT_NEAR(report.volume, 4 * pi / 3 * (1 - 0.343), 0.03);
 }
 
+// Their crust is a cube, half of whose corners are as near to one point as to another: welded at two points, nothing
+// would be left.
+TEST(NoisyPowerCrust, SixCornersOfAnOctahedronHaveABody)
+{
+    Points points;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0})
+            points.push_back(side * Vector::Unit(axis));
+    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(points).mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.euler_characteristic, 2);
+    EXPECT_GT(report.volume, 1.33);
+}
+
 TEST(NoisyPowerCrust, APointAtAFarOriginCostsTheOthersNothing)
 {
     Points points = shapes::with_noisy_copies(shapes::torus(2000, 1, 0.35, 2).points, 0.01, 2, 9);
