@@ -9,10 +9,10 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <set>
 #include <utility>
 
 namespace recon
@@ -110,10 +110,42 @@ private:
     Triangulation cells_;
 };
 
+/// The neighbours of a point on its rim: two or fewer, for a moment three, in the order in which they came.
+class Mates
+{
+public:
+    const int* begin() const { return points_; }
+    const int* end() const { return points_ + count_; }
+    int size() const { return count_; }
+    int operator[](int i) const { return points_[i]; }
+    bool contains(int point) const { return std::find(begin(), end(), point) != end(); }
+    void add(int point) { points_[count_++] = point; }
+    void remove(int point)
+    {
+        int* const found = std::find(points_, points_ + count_, point);
+        std::copy(found + 1, points_ + count_, found);
+        --count_;
+    }
+
+private:
+    int points_[3] = {-1, -1, -1};
+    int count_ = 0;
+};
+
 struct Rims
 {
-    std::set<std::pair<int, int>> edges;
-    std::vector<std::vector<int>> mates; ///< Per point: its two neighbours, or fewer.
+    std::vector<Mates> mates; ///< Per point.
+
+    bool has_edge(int a, int b) const { return mates[a].contains(b); }
+    /// Calls call(a, b) with a < b for every edge once.
+    template <class Call>
+    void for_edges(Call&& call) const
+    {
+        for (int a = 0; a < int(mates.size()); ++a)
+            for (const int b : mates[a])
+                if (a < b)
+                    call(a, b);
+    }
 };
 
 Rims join_rims(const PlanarTriangulation& planar, int points)
@@ -149,9 +181,8 @@ Rims join_rims(const PlanarTriangulation& planar, int points)
                 const int both = size[chains.find(e.a)] + size[chains.find(e.b)];
                 if (chains.join(e.a, e.b))
                     size[chains.find(e.a)] = both;
-                result.mates[e.a].push_back(e.b);
-                result.mates[e.b].push_back(e.a);
-                result.edges.insert({e.a, e.b});
+                result.mates[e.a].add(e.b);
+                result.mates[e.b].add(e.a);
             }
     }
     return result;
@@ -164,47 +195,63 @@ class RimStraightener
 public:
     RimStraightener(const PlanarTriangulation& planar, Rims& rims) : planar_(planar), rims_(rims)
     {
-        planar.for_edges([&](int a, int b, int, int) { edges_.insert({a, b}); });
+        planar.for_edges([&](int a, int b, int, int) { edges_.emplace_back(a, b); });
+        std::sort(edges_.begin(), edges_.end());
         std::vector<double> lengths;
-        for (const auto& [a, b] : rims.edges)
-            lengths.push_back(planar.length(a, b));
+        rims.for_edges([&](int a, int b) { lengths.push_back(planar.length(a, b)); });
         unit_ = lengths.empty() ? 1 : median(std::move(lengths));
     }
 
     void straighten()
     {
+        changed_.assign(rims_.mates.size(), 0);
+        std::vector<int> tried(edges_.size(), -1);
         bool is_changed = true;
         for (int round = 0; is_changed && round < most_exchanges; ++round)
         {
             is_changed = false;
-            for (const auto& [a, c] : edges_)
-                is_changed |= !is_rim(a, c) && try_edge(a, c);
+            for (std::size_t e = 0; e < edges_.size(); ++e)
+            {
+                const auto [a, c] = edges_[e];
+                // What was no gain is none until an edge at its points or at their mates is exchanged.
+                if (rims_.has_edge(a, c) || std::max(last_change(a), last_change(c)) <= tried[e])
+                    continue;
+                tried[e] = exchanges_;
+                is_changed |= try_edge(a, c);
+            }
         }
     }
 
 private:
-    bool is_rim(int a, int b) const { return rims_.edges.count(std::minmax(a, b)) > 0; }
-    bool is_edge(int a, int b) const { return edges_.count(std::minmax(a, b)) > 0; }
+    bool is_edge(int a, int b) const
+    {
+        return std::binary_search(edges_.begin(), edges_.end(), std::pair<int, int>(std::minmax(a, b)));
+    }
+
+    /// At a point or at its mates.
+    int last_change(int v) const
+    {
+        int result = changed_[v];
+        for (const int m : rims_.mates[v])
+            result = std::max(result, changed_[m]);
+        return result;
+    }
 
     void link(int a, int b)
     {
-        rims_.mates[a].push_back(b);
-        rims_.mates[b].push_back(a);
-        rims_.edges.insert(std::minmax(a, b));
+        rims_.mates[a].add(b);
+        rims_.mates[b].add(a);
     }
     void cut(int a, int b)
     {
-        auto& of_a = rims_.mates[a];
-        auto& of_b = rims_.mates[b];
-        of_a.erase(std::find(of_a.begin(), of_a.end(), b));
-        of_b.erase(std::find(of_b.begin(), of_b.end(), a));
-        rims_.edges.erase(std::minmax(a, b));
+        rims_.mates[a].remove(b);
+        rims_.mates[b].remove(a);
     }
 
     double cost_at(int v) const
     {
-        const auto& mates = rims_.mates[v];
-        double cost = open_end * double(2 - int(mates.size()));
+        const Mates& mates = rims_.mates[v];
+        double cost = open_end * double(2 - mates.size());
         for (const int m : mates)
             cost += 0.5 * length_cost * planar_.length(v, m) / unit_;
         return mates.size() < 2 ? cost : cost + 1 + planar_.cosine_at(v, mates[0], mates[1]);
@@ -214,12 +261,12 @@ private:
     /// \returns whether that was better; else all is as before.
     bool try_edge(int a, int c)
     {
-        const std::vector<int> of_a = list_given_up(a), of_c = list_given_up(c);
+        const Mates of_a = list_given_up(a), of_c = list_given_up(c);
         for (const int b : of_a)
             for (const int d : of_c)
                 for (const bool is_closed : {true, false})
                 {
-                    if (is_closed && (b < 0 || d < 0 || b == d || !is_edge(b, d) || is_rim(b, d)))
+                    if (is_closed && (b < 0 || d < 0 || b == d || rims_.has_edge(b, d) || !is_edge(b, d)))
                         continue;
                     if (improves(a, b, c, d, is_closed))
                         return true;
@@ -227,9 +274,13 @@ private:
         return false;
     }
 
-    std::vector<int> list_given_up(int v) const
+    Mates list_given_up(int v) const
     {
-        return rims_.mates[v].size() < 2 ? std::vector<int>{-1} : rims_.mates[v];
+        if (rims_.mates[v].size() == 2)
+            return rims_.mates[v];
+        Mates none;
+        none.add(-1);
+        return none;
     }
 
     bool improves(int a, int b, int c, int d, bool is_closed)
@@ -237,6 +288,10 @@ private:
         const auto cost = [&]
         { return cost_at(a) + cost_at(c) + (b < 0 ? 0 : cost_at(b)) + (d < 0 || d == b ? 0 : cost_at(d)); };
         const double before = cost();
+        const std::array<int, 4> points = {a, c, b < 0 ? a : b, d < 0 ? c : d};
+        std::array<Mates, 4> mates;
+        for (int k = 0; k < 4; ++k)
+            mates[k] = rims_.mates[points[k]];
         if (b >= 0)
             cut(a, b);
         if (d >= 0)
@@ -245,50 +300,50 @@ private:
         if (is_closed)
             link(b, d);
         if (cost() < before - least_gain)
+        {
+            ++exchanges_;
+            for (const int v : points)
+                changed_[v] = exchanges_;
             return true;
-        if (is_closed)
-            cut(b, d);
-        cut(a, c);
-        if (d >= 0)
-            link(c, d);
-        if (b >= 0)
-            link(a, b);
+        }
+        for (int k = 0; k < 4; ++k)
+            rims_.mates[points[k]] = mates[k];
         return false;
     }
 
     const PlanarTriangulation& planar_;
     Rims& rims_;
-    std::set<std::pair<int, int>> edges_;
+    std::vector<std::pair<int, int>> edges_; ///< Of the triangulation, ascending.
     double unit_;
+    int exchanges_ = 0;
+    std::vector<int> changed_; ///< Per point: number of exchanges at its last one.
 };
 
 /// Points of chains that do not close.
 std::vector<int> list_open_chains(const Rims& rims)
 {
     DisjointSets chains(rims.mates.size());
-    for (const auto& e : rims.edges)
-        chains.join(e.first, e.second);
-    std::set<std::size_t> open;
-    for (std::size_t v = 0; v < rims.mates.size(); ++v)
+    rims.for_edges([&](int a, int b) { chains.join(a, b); });
+    std::vector<char> is_open(rims.mates.size(), 0);
+    for (int v = 0; v < int(rims.mates.size()); ++v)
         if (rims.mates[v].size() < 2)
-            open.insert(chains.find(v));
+            is_open[chains.find(v)] = 1;
     std::vector<int> result;
-    for (std::size_t v = 0; v < rims.mates.size(); ++v)
-        if (open.count(chains.find(v)) > 0)
-            result.push_back(int(v));
+    for (int v = 0; v < int(rims.mates.size()); ++v)
+        if (is_open[chains.find(v)])
+            result.push_back(v);
     return result;
 }
 
 std::vector<int> list_strays(const PlanarTriangulation& planar, const Rims& rims, bool expected)
 {
     std::vector<double> lengths;
-    for (const auto& e : rims.edges)
-        lengths.push_back(planar.length(e.first, e.second));
+    rims.for_edges([&](int a, int b) { lengths.push_back(planar.length(a, b)); });
     const double limit = expected && !lengths.empty() ? far_from_rim * median(std::move(lengths)) : 1e300;
     std::vector<int> result;
     for (int v = 0; v < int(rims.mates.size()); ++v)
     {
-        const auto& mates = rims.mates[v];
+        const Mates& mates = rims.mates[v];
         if (mates.size() < 2 || std::min(planar.length(v, mates[0]), planar.length(v, mates[1])) > limit)
             result.push_back(v);
     }
@@ -305,7 +360,7 @@ std::vector<PlanarFace> fill_by_parity(const PlanarTriangulation& planar, const 
     planar.for_edges(
         [&](int a, int b, int t, int neighbour)
         {
-            if (rims.edges.count({a, b}) > 0)
+            if (rims.has_edge(a, b))
                 graph.edges.push_back({t, neighbour, -1});
             else if (regions.join(t, neighbour))
                 graph.merged.push_back({t, neighbour});
@@ -320,7 +375,7 @@ std::vector<PlanarFace> fill_by_parity(const PlanarTriangulation& planar, const 
     planar.for_edges(
         [&](int a, int b, int t, int neighbour)
         {
-            if (rims.edges.count({a, b}) == 0)
+            if (!rims.has_edge(a, b))
                 return;
             for (const int side : {t, neighbour})
                 if (labels[side] == Side::inner)
@@ -370,8 +425,9 @@ std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& poi
             }
             return faces;
         }
-        for (auto v = left_out.rbegin(); v != left_out.rend(); ++v)
-            kept.erase(kept.begin() + *v);
+        for (const int v : left_out)
+            kept[v] = -1;
+        kept.erase(std::remove(kept.begin(), kept.end(), -1), kept.end());
     }
     return {};
 }
