@@ -28,6 +28,9 @@ constexpr double calm_votes = 0.005;
 constexpr double clearly_fewer = 0.65;
 /// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes.
 constexpr double certain_votes = 0.02;
+/// Widths of the slabs in which planes are sought, in turns, while the completed crust is bare or in pieces [1 = by the
+/// noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area tells.
+constexpr double slab_widths[] = {1, 1.1, 1.35};
 
 // A clean cloud: balls by the spacing alone, then denoised.
 /// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
@@ -51,6 +54,11 @@ constexpr int halvings = 3;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
 /// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
 constexpr double found_again = 0.25, hopeless = 0.45;
+/// The same where faces were completed: what is laid bare has a say there as well.
+constexpr double found_again_beside_flats = 0.35;
+/// Less noise may lack so many times what completed faces leave bare or missed: 1.2 to 2.2 times where walls were found
+/// again, seven and more where it merely lost the faces.
+constexpr double laid_bare = 3;
 /// Share of violated votes above which the walls of what is filled, seen with less noise, object to that.
 constexpr double objecting_votes = 0.015;
 
@@ -251,11 +259,12 @@ private:
     /// attempt violates.
     double try_less_noise(Judged& best, const Progress& progress)
     {
+        const double share = best.attempt.completed > 0 ? found_again_beside_flats : found_again;
         double noise = best.attempt.cloud.noise, most_missed = best.mismatch.missed_points, violated = 0;
         for (int i = 0; i < halvings && best.has_lost_walls(); ++i)
         {
             noise /= 2;
-            most_missed *= found_again;
+            most_missed *= share;
             Judged finer = judge(prepare_and_label(
                 Denoise::on, noise, progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise")));
             violated = finer.attempt.labelled.violated_votes;
@@ -263,10 +272,30 @@ private:
             const bool is_hollow = finer.mismatch.bare_area <= bare_lid && missed < best.mismatch.missed_points;
             if (!is_hollow && missed > hopeless * best.mismatch.missed_points)
                 break;
-            if (is_hollow || missed < most_missed)
+            if ((is_hollow || missed < most_missed) && !lays_bare(finer.attempt, best.attempt))
                 best = std::move(finer);
         }
         return violated;
+    }
+
+    /// Whether faces that were completed are bare again, though less noise fits any points better.
+    bool lays_bare(LabelledCloud& finer, LabelledCloud& best)
+    {
+        if (best.completed == 0)
+            return false;
+        const double before = measure_lack(best.cloud, best.cloud.samples, extract(best)),
+                     after = measure_lack(finer.cloud, finer.cloud.samples, extract(finer));
+        return after > laid_bare * before;
+    }
+
+    /// Share of the area that is bare seen from the samples, and where hardly any is not, share of the points that the
+    /// crust misses by more than any noise.
+    double measure_lack(const PreparedSamples& cloud, const Points& samples, const TriangleMesh& crust) const
+    {
+        const double bare = measure_bare_area(samples, crust, labelling_.threads);
+        return bare <= bare_lid ? bare
+                                : bare + measure_missed_points(cloud.distinct, crust, labelling_.threads, {},
+                                                               noise_ / cloud.frame.scale());
     }
 
     /// The cloud with the least noise and all lids open: where the points object to what is filled, the mouth of a cup
@@ -309,34 +338,73 @@ private:
     {
         BallLabellingOptions in_units = options_for(cloud);
         in_units.fine = fine;
-        const auto label_samples = [&](double from, double to) {
-            return label_polar_balls(cloud.samples, cloud.normals, in_units, times_,
-                                     progress.part(from, to, "polar balls"));
-        };
-        LabelledBalls plain = label_samples(0, 0.8);
-        std::optional<Completion> completion = complete(cloud, plain.violated_votes);
-        if (!completion)
-            return {std::move(cloud), std::move(plain)};
-        LabelledBalls completed = label_samples(0.8, 1);
+        const auto label_samples = [&](const Points& samples, const Vectors& normals, double from, double to)
+        { return label_polar_balls(samples, normals, in_units, times_, progress.part(from, to, "polar balls")); };
+        LabelledBalls plain = label_samples(cloud.samples, cloud.normals, 0, 0.6);
         // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
         // are.
-        const double bearable = cloud.denoised ? 0 : certain_votes;
-        if (completed.violated_votes <= std::max(bearable, clearly_fewer * plain.violated_votes))
-            return {std::move(cloud), std::move(completed), completion->added};
-        cloud.samples = std::move(completion->samples_before);
-        cloud.normals = std::move(completion->normals_before);
-        return {std::move(cloud), std::move(plain)};
+        const double bearable = std::max(cloud.denoised ? 0 : certain_votes, clearly_fewer * plain.violated_votes);
+        std::optional<CompletedFlats> best;
+        for (const double width : slab_widths)
+        {
+            std::optional<Completion> completion = complete(cloud, plain.violated_votes, width);
+            if (!completion)
+                break;
+            LabelledBalls labelled = label_samples(completion->samples, completion->normals, 0.6, 1);
+            CompletedFlats flats{std::move(*completion), std::move(labelled)};
+            const bool is_agreed = flats.labelled.violated_votes <= bearable;
+            if (is_agreed && cloud.denoised)
+                judge_flats(flats, cloud);
+            if (is_agreed && (!best || flats.is_better_than(*best)))
+                best = std::move(flats);
+            // Only where faces were found at once is it worth while to look for more.
+            if (!best || !cloud.denoised || best->is_whole())
+                break;
+        }
+        if (!best)
+            return {std::move(cloud), std::move(plain)};
+        cloud.samples = std::move(best->completion.samples);
+        cloud.normals = std::move(best->completion.normals);
+        return {std::move(cloud), std::move(best->labelled), best->completion.added};
     }
 
+    /// A cloud's samples with those on bare flat faces, which come last.
     struct Completion
     {
-        Points samples_before;
-        Vectors normals_before;
-        int added = 0; ///< The last of the cloud's samples [count].
+        Points samples;
+        Vectors normals;
+        int added = 0; ///< [count]
     };
 
+    /// Their labels, and what the crust still lacks.
+    struct CompletedFlats
+    {
+        Completion completion;
+        LabelledBalls labelled;
+        double lack = 0; ///< See measure_lack().
+        int bodies = 1;
+
+        bool is_whole() const { return lack <= bare_lid && bodies == 1; }
+        bool is_better_than(const CompletedFlats& other) const
+        {
+            if (bodies != other.bodies)
+                return bodies < other.bodies && lack <= std::max(bare_lid, other.lack);
+            return lack < clearly_better * other.lack;
+        }
+    };
+
+    void judge_flats(CompletedFlats& flats, const PreparedSamples& cloud)
+    {
+        times_.begin("mismatch");
+        const TriangleMesh crust = triangulate_polygons(
+            list_crust_polygons(flats.labelled.regular, flats.labelled.labels, labelling_.threads), labelling_.threads);
+        flats.lack = measure_lack(cloud, flats.completion.samples, crust);
+        flats.bodies = measure_closed_topology(crust).components;
+    }
+
     /// Puts samples on bare flat faces; in noise they take the place of those around their rims.
-    std::optional<Completion> complete(PreparedSamples& cloud, double violated)
+    /// \param width of the slabs in which faces are sought in noise [1 = by its standard deviation].
+    std::optional<Completion> complete(const PreparedSamples& cloud, double violated, double width)
     {
         Points added = cloud.completion.points;
         Vectors normals;
@@ -347,26 +415,25 @@ private:
                 return {};
             times_.begin("flat faces");
             NoisyFlatCompletion flats =
-                complete_noisy_flats(cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals,
-                                     resolve_threads(options_.threads));
+                complete_noisy_flats(cloud.distinct, width * cloud.noise / cloud.frame.scale(), cloud.samples,
+                                     cloud.normals, resolve_threads(options_.threads));
             added = std::move(flats.points);
             normals = std::move(flats.normals);
             is_replaced = std::move(flats.is_replaced);
         }
         if (added.empty())
             return {};
-        Completion result{std::move(cloud.samples), std::move(cloud.normals), int(added.size())};
-        cloud.samples.clear();
-        cloud.normals.clear();
-        for (std::size_t i = 0; i < result.samples_before.size(); ++i)
+        Completion result;
+        result.added = int(added.size());
+        for (std::size_t i = 0; i < cloud.samples.size(); ++i)
             if (!is_replaced[i])
             {
-                cloud.samples.push_back(result.samples_before[i]);
+                result.samples.push_back(cloud.samples[i]);
                 if (cloud.denoised)
-                    cloud.normals.push_back(result.normals_before[i]);
+                    result.normals.push_back(cloud.normals[i]);
             }
-        cloud.samples.insert(cloud.samples.end(), added.begin(), added.end());
-        cloud.normals.insert(cloud.normals.end(), normals.begin(), normals.end());
+        result.samples.insert(result.samples.end(), added.begin(), added.end());
+        result.normals.insert(result.normals.end(), normals.begin(), normals.end());
         return result;
     }
 

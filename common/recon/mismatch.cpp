@@ -23,6 +23,8 @@ using Triangles = std::vector<Kernel::Triangle_3>;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
+/// Points so near to the surface may be noise, where it is known [its standard deviation].
+constexpr double beyond_noise = 5;
 constexpr std::size_t most_asked = 20'000, most_asked_of_area = 4'000;
 
 Kernel::Point_3 to_cgal(const Point& p)
@@ -30,8 +32,8 @@ Kernel::Point_3 to_cgal(const Point& p)
     return {p.x(), p.y(), p.z()};
 }
 
-double measure_missed_points(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search, int threads,
-                             const Progress& progress)
+double measure_missed_points(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search,
+                             double noise, int threads, const Progress& progress)
 {
     Triangles triangles;
     for (const auto& t : mesh.triangles)
@@ -51,8 +53,8 @@ double measure_missed_points(const Points& points, const TriangleMesh& mesh, con
                  [&](std::size_t i)
                  {
                      const Point& p = points[i * stride];
-                     const double spacing = measure_spacing_at(p, search);
-                     is_missed[i] = tree.squared_distance(to_cgal(p)) > spacing * spacing;
+                     const double reach = std::max(measure_spacing_at(p, search), beyond_noise * noise);
+                     is_missed[i] = tree.squared_distance(to_cgal(p)) > reach * reach;
                  });
     return double(std::count(is_missed.begin(), is_missed.end(), 1)) / double(asked);
 }
@@ -93,14 +95,15 @@ Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int th
     if (points.empty())
         return result;
     const NeighbourSearch search(points);
-    result.missed_points = measure_missed_points(points, mesh, search, threads, progress.part(0, 0.5, "points"));
+    result.missed_points = measure_missed_points(points, mesh, search, 0, threads, progress.part(0, 0.5, "points"));
     result.bare_area = measure_bare_area(points, mesh, search, threads, progress.part(0.5, 1, "area"));
     return result;
 }
 
-double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)
+double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress,
+                             double noise)
 {
-    return points.empty() ? 0 : measure_missed_points(points, mesh, NeighbourSearch(points), threads, progress);
+    return points.empty() ? 0 : measure_missed_points(points, mesh, NeighbourSearch(points), noise, threads, progress);
 }
 
 double measure_bare_area(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)

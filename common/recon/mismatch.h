@@ -23,9 +23,10 @@ struct Mismatch
 Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads = 1,
                           const Progress& progress = {});
 
-/// Each alone; the area takes a fifth of the time. \throws Cancelled.
+/// Each alone; the area takes a fifth of the time. \param noise standard deviation [length]: points within five of it
+/// are not missed either. \throws Cancelled.
 double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads = 1,
-                             const Progress& progress = {});
+                             const Progress& progress = {}, double noise = 0);
 double measure_bare_area(const Points& points, const TriangleMesh& mesh, int threads = 1,
                          const Progress& progress = {});
 

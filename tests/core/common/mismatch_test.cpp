@@ -40,6 +40,9 @@ TEST(MeasureMismatch, CountsThePointsAndTheAreaOfWhatOnlyOneOfThemHas)
     EXPECT_LT(bare.missed_points, 0.01);
     EXPECT_EQ(measure_missed_points(points, half), missed.missed_points);
     EXPECT_EQ(measure_bare_area(upper, whole), bare.bare_area);
+    // The lower pole is 0.71 off the rim.
+    EXPECT_EQ(measure_missed_points(points, half, 1, {}, 0.15), 0);
+    EXPECT_NEAR(measure_missed_points(points, half, 1, {}, 0.05), 0.25, 0.08); // 0.25 and more off the rim
 }
 
 TEST(MeasureMismatch, StandsHostileInput)

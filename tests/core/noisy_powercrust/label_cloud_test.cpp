@@ -98,6 +98,35 @@ TEST(NoisyPowerCrust, ACupBesideARodSampledOnItsRimsIsNotFilled)
     EXPECT_NEAR(report.volume, cup.volume + rod, 0.05 * (cup.volume + rod)); // 1.37 times as much with a full cup
 }
 
+// The rod's faces are found by the noise, a bore of the bevelled flange only in wider slabs.
+TEST(NoisyPowerCrust, RimsWithLowBevelsAreSoughtInWiderSlabs)
+{
+    constexpr double noise = 0.003, bevel = 1.5 * noise, height = 0.15;
+    Points points;
+    const auto append_rims = [&](double x, double y, double radius, double narrowed, int corners)
+    {
+        for (const double z : {0.0, height})
+        {
+            flat_shapes::append_ring(points, x, y, z, radius - narrowed, corners);
+            flat_shapes::append_ring(points, x, y, z == 0 ? bevel : height - bevel, radius, corners);
+        }
+    };
+    append_rims(0, 0, 0.45, bevel, 150);
+    append_rims(0, 0, 0.2, -bevel, 70);
+    for (int k = 0; k < 4; ++k)
+        append_rims(0.33 * std::cos(pi / 2 * k), 0.33 * std::sin(pi / 2 * k), 0.05, -bevel, 24);
+    for (const double z : {0.0, 0.1})
+        flat_shapes::append_ring(points, 1, 0, z, 0.3, 120);
+    NoisyPowerCrustOptions options;
+    options.keep_components = KeepComponents::all;
+    const NoisyPowerCrust crust =
+        reconstruct_noisy_power_crust(shapes::with_noisy_copies(points, noise, 4, 1), options);
+    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 2);
+    EXPECT_EQ(report.genus(), 5); // 4 in slabs of one width
+}
+
 TEST(NoisyPowerCrust, SaysThatWallsSeemLost)
 {
     const auto says_so = [](double wall, double noise)
