@@ -63,8 +63,8 @@ constexpr double laid_bare = 3;
 constexpr double objecting_votes = 0.015;
 
 // Sheets that have the outside on both sides: backs behind them.
-/// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample;
-/// with the backs at most this share of them may be left.
+/// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample or
+/// is flooded; with the backs at most this share of the handles, or else of the violated votes, may be left.
 constexpr double bearable_lost = 0.02, bearable_handles = 2e-4, whole_again = 0.5;
 
 /// Above this number of points two attempts are not kept side by side [count].
@@ -178,10 +178,13 @@ public:
             find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
         if (lost.share <= bearable_lost || found.completed > 0)
             return found;
-        const double handles = measure_closed_topology(extract(found)).genus();
-        if (handles <= bearable_handles * double(found.cloud.samples.size()))
+        const double handles = measure_closed_topology(extract(found)).genus(),
+                     violated = found.labelled.violated_votes;
+        const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
+        if (!is_lace && violated <= flooded_above)
             return found;
-        found.lost_sheets = lost.share;
+        if (is_lace)
+            found.lost_sheets = lost.share;
         if (options_.denoise == Denoise::off || points_.size() > most_points_twice)
             return found;
         PreparedSamples backed = found.cloud;
@@ -197,8 +200,9 @@ public:
         LabelledCloud slabs = label(std::move(backed), false, progress.part(0.5, 1, "backs of sheets"));
         slabs.backs = backs;
         slabs.lost_sheets = lost.share;
-        return measure_closed_topology(extract(slabs)).genus() <= whole_again * handles ? std::move(slabs)
-                                                                                        : std::move(found);
+        const bool is_better = is_lace ? measure_closed_topology(extract(slabs)).genus() <= whole_again * handles
+                                       : slabs.labelled.violated_votes <= whole_again * violated;
+        return is_better ? std::move(slabs) : std::move(found);
     }
 
 private:
@@ -239,9 +243,10 @@ private:
         return result;
     }
 
+    /// Votes do not object to walls that are lost; where so many do the scene is open, and less noise makes lace of it.
     bool may_have_lost_walls(const LabelledCloud& first) const
     {
-        return points_.size() <= most_points_twice &&
+        return points_.size() <= most_points_twice && first.labelled.violated_votes <= flooded_above &&
                first.cloud.noise >= least_of_walls * first.labelled.spacing * first.cloud.frame.scale();
     }
 
