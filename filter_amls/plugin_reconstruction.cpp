@@ -20,10 +20,10 @@ plugin::ParameterTable<ReconstructionFilterOptions> reconstruction_table()
                 "Width of the Gaussian weights in local feature sizes (the paper uses 0.75). 0: automatic, from noise, "
                 "spacing and curvature.")
         .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
-        .choice(
-            "keep_components", &Options::keep_components, {"largest", "all", "automatic"}, "Keep components",
-            "Automatic: stray shells are dropped, that is bodies and hollows that hold less than a twentieth as many "
-            "samples as the one that holds most. Largest: only the component that encloses the largest volume is kept.")
+        .choice("keep_components", &Options::keep_components, {"largest", "all", "automatic"}, "Keep components",
+                "Automatic: stray shells are dropped, that is thin or small bodies and hollows that hold less than a "
+                "twentieth as many samples as the one that holds most. Largest: only the component that encloses the "
+                "largest volume is kept.")
         .flag("simplify", &Options::simplify, "Simplify",
               "Collapse short edges, to about one vertex per sample. The topology stays.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")

@@ -25,10 +25,10 @@ plugin::ParameterTable<Options> table()
         .number("deep_intersection", &Options::deep_intersection, "Deep intersection",
                 "Above 0: neighbouring balls whose intersection is deeper than this (0..1) are put on one side of the "
                 "surface, as in the paper. 0: intersections are weighed by the samples around them.")
-        .choice(
-            "keep_components", &Options::keep_components, {"largest", "all", "automatic"}, "Keep components",
-            "Automatic: stray shells are dropped, that is bodies and hollows that hold less than a twentieth as many "
-            "samples as the one that holds most. Largest: only the component that encloses the largest volume is kept.")
+        .choice("keep_components", &Options::keep_components, {"largest", "all", "automatic"}, "Keep components",
+                "Automatic: stray shells are dropped, that is thin or small bodies and hollows that hold less than a "
+                "twentieth as many samples as the one that holds most. Largest: only the component that encloses the "
+                "largest volume is kept.")
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
                 "On: the points are projected onto a smooth surface (AMLS) and thinned before the crust is made; "
                 "outliers are "

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace recon
@@ -243,26 +244,37 @@ std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& kee
     return former;
 }
 
-DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept)
+DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double spacing)
 {
-    constexpr double smallest_body = 0.01, smallest_share_of_triangles = 0.05;
+    constexpr double smallest_body = 0.01, smallest_share_of_triangles = 0.05, full = 1.5;
     DroppedBodies dropped;
     const MeshComponents components = find_components(mesh);
     if (kept == KeepComponents::all || components.count < 2)
         return dropped;
-    std::vector<double> volume(std::size_t(components.count), 0);
+    std::vector<double> volume(std::size_t(components.count), 0), area(volume.size(), 0);
     std::vector<std::size_t> triangles(volume.size(), 0);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     {
         const auto& t = mesh.triangles[i];
         const int component = components.of_triangle[i];
-        volume[component] += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
+        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+        volume[component] += a.dot(b.cross(c)) / 6;
+        area[component] += (b - a).cross(c - a).norm() / 2;
         ++triangles[component];
     }
     const int largest = int(std::max_element(volume.begin(), volume.end()) - volume.begin());
     const double enough = smallest_share_of_triangles * *std::max_element(triangles.begin(), triangles.end());
+    const auto is_full = [&](int component)
+    {
+        // Two triangles a sample, or more where the crust was not simplified.
+        const double own_spacing = std::sqrt(2 * area[component] / double(triangles[component]));
+        return std::abs(volume[component]) >= full * std::max(spacing, own_spacing) * area[component];
+    };
     const auto is_kept = [&](int component)
-    { return component == largest || (kept == KeepComponents::automatic && triangles[component] >= enough); };
+    {
+        return component == largest ||
+               (kept == KeepComponents::automatic && (double(triangles[component]) >= enough || is_full(component)));
+    };
     std::vector<char> keep;
     for (const int component : components.of_triangle)
         keep.push_back(is_kept(component));

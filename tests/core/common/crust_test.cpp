@@ -290,7 +290,7 @@ TEST(DropComponents, LargestKeepsTheOneThatEnclosesMost)
         for (const auto& f : faces)
             mesh.triangles.push_back({f[0] + base, f[1] + base, f[2] + base});
     }
-    const DroppedBodies dropped = drop_components(mesh, KeepComponents::largest);
+    const DroppedBodies dropped = drop_components(mesh, KeepComponents::largest, 1);
     EXPECT_EQ(dropped.count, 2);
     EXPECT_NEAR(dropped.volume, (8.0 + 1) / 27, 1e-9);
     EXPECT_EQ(mesh.vertices.size(), 4u);
@@ -319,7 +319,7 @@ TEST(DropComponents, AutomaticKeepsWhatHoldsATwentiethOfTheTriangles)
         TriangleMesh mesh;
         append_bipyramid(mesh, 200, 0);
         append_bipyramid(mesh, sides, 4);
-        const DroppedBodies dropped = drop_components(mesh, KeepComponents::automatic);
+        const DroppedBodies dropped = drop_components(mesh, KeepComponents::automatic, 1);
         EXPECT_EQ(find_components(mesh).count, kept);
         EXPECT_EQ(dropped.count, 2 - kept);
     }

@@ -238,6 +238,14 @@ TEST(NoisyPowerCrust, KeepsBothBodiesOfAScene)
     EXPECT_NE(larger.warnings[0].find("1 other body was left out, with 12 %"), std::string::npos) << larger.warnings[0];
 }
 
+TEST(NoisyPowerCrust, KeepsAFullBodyOfFewSamples)
+{
+    Points points = shapes::sphere(20000, 1, 5).points;
+    for (const Point& p : shapes::sphere(400, 0.14, 6).points) // a fiftieth of the samples
+        points.push_back(p + Point(2, 0, 0));
+    EXPECT_EQ(reconstruct_noisy_power_crust(points).components, 2);
+}
+
 TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
 {
     Points points = shapes::sphere(3000, 1, 5).points;
