@@ -25,6 +25,7 @@ namespace
 constexpr double calm_votes = 0.005;
 /// Completed flat faces stay if this share of the votes violated before is left: 0.23 to 0.58 where they were faces,
 /// 0.77 and more where one was not.
+/// Lids stay open by the same share: 0.07 to 0.55 where they closed cups, 0.98 where they were taken off mere noise.
 constexpr double clearly_fewer = 0.65;
 /// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes.
 constexpr double certain_votes = 0.02;
@@ -43,9 +44,12 @@ constexpr double bearable_mismatch = 0.05;
 constexpr double clearly_better = 0.5;
 
 // A denoised cloud: balls by the spacing alone, less noise, then open lids.
-/// Shares of points missed and of bare area above which a denoised crust has lost walls: they read as noise, a lid
-/// closes the cup, and no vote objects. Right crusts miss points by mere noise, or are bare where a scan is open.
-constexpr double buried_points = 0.015, bare_lid = 0.02;
+/// Share of bare area above which a denoised crust may have lost walls: they read as noise, a lid closes the cup, and
+/// no vote objects. An open scan is bare as well.
+constexpr double bare_lid = 0.02;
+/// Then the points beside the lid tell: about an open scan they lie as noise does, up to these shares of the points and
+/// of the places; walls that were taken for noise lie on either side.
+constexpr double beyond_noise = 0.015, two_sheets = 0.004;
 /// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther
 /// apart.
 constexpr double least_of_walls = 0.1;
@@ -60,7 +64,7 @@ constexpr double found_again_beside_flats = 0.35;
 /// again, seven and more where it merely lost the faces.
 constexpr double laid_bare = 3;
 /// Share of violated votes above which the walls of what is filled, seen with less noise, object to that.
-constexpr double objecting_votes = 0.015;
+constexpr double objecting_votes = 0.02;
 
 // Sheets that have the outside on both sides: backs behind them.
 /// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample or
@@ -79,7 +83,7 @@ struct Judged
     LabelledCloud attempt;
     Mismatch mismatch;
 
-    bool has_lost_walls() const { return mismatch.missed_points > buried_points && mismatch.bare_area > bare_lid; }
+    bool has_lids() const { return mismatch.bare_area > bare_lid; }
 };
 
 /// Attempts at one cloud.
@@ -124,18 +128,20 @@ public:
         if (!may_have_lost_walls(first))
             return first;
         const bool has_flats = first.completed > 0;
-        Judged best = judge_bare(std::move(first));
-        if (best.has_lost_walls() && best.attempt.cloud.is_doubtful && options_.denoise == Denoise::automatic)
+        Judged best{std::move(first), {}};
+        if (!lacks_walls(best))
+            return std::move(best.attempt);
+        if (best.attempt.cloud.is_doubtful && options_.denoise == Denoise::automatic)
             try_fine_balls(best, flooded_above, progress.part(0, 0.1, "fine balls"));
-        if (best.has_lost_walls())
+        if (best.has_lids())
         {
             const double finest = std::ldexp(best.attempt.cloud.noise, -halvings);
             const double violated = try_less_noise(best, progress.part(0.1, 0.7, "less noise"));
             // Bare flats are no lids.
-            if (!has_flats && best.mismatch.bare_area > bare_lid && violated > objecting_votes)
+            if (!has_flats && best.has_lids() && violated > objecting_votes)
                 try_open_lids(best, finest, progress.part(0.7, 1, "open lids"));
-            if (best.has_lost_walls())
-                best.attempt.missed_points = best.mismatch.missed_points;
+            if (best.has_lids())
+                best.attempt.lost_walls = true;
         }
         return std::move(best.attempt);
     }
@@ -231,16 +237,21 @@ private:
         return result;
     }
 
-    /// By the bare area as the denoised samples see it. Points missed are not counted where hardly any is bare.
-    Judged judge_bare(LabelledCloud attempt)
+    /// Whether a denoised crust has lids, seen from its samples, and points beside it as no noise lies. Measures the
+    /// mismatch then.
+    bool lacks_walls(Judged& judged)
     {
-        Judged result{std::move(attempt), {}};
-        const PreparedSamples& cloud = result.attempt.cloud;
-        const TriangleMesh crust = extract(result.attempt);
-        result.mismatch.bare_area = measure_bare_area(cloud.samples, crust, labelling_.threads);
-        if (result.mismatch.bare_area > bare_lid)
-            result.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, labelling_.threads);
-        return result;
+        const PreparedSamples& cloud = judged.attempt.cloud;
+        const TriangleMesh crust = extract(judged.attempt);
+        judged.mismatch.bare_area = measure_bare_area(cloud.samples, crust, labelling_.threads);
+        if (!judged.has_lids())
+            return false;
+        const NoiseMisfit misfit =
+            measure_noise_misfit(cloud.distinct, crust, cloud.noise / cloud.frame.scale(), labelling_.threads);
+        if (misfit.beyond_noise <= beyond_noise && misfit.two_sheets <= two_sheets)
+            return false;
+        judged.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, labelling_.threads);
+        return true;
     }
 
     /// Votes do not object to walls that are lost; where so many do the scene is open, and less noise makes lace of it.
@@ -266,7 +277,7 @@ private:
     {
         const double share = best.attempt.completed > 0 ? found_again_beside_flats : found_again;
         double noise = best.attempt.cloud.noise, most_missed = best.mismatch.missed_points, violated = 0;
-        for (int i = 0; i < halvings && best.has_lost_walls(); ++i)
+        for (int i = 0; i < halvings && best.has_lids(); ++i)
         {
             noise /= 2;
             most_missed *= share;
@@ -320,7 +331,7 @@ private:
         turn_normals(open);
         open.opened = true;
         Judged opened = judge(std::move(open));
-        if (opened.attempt.labelled.violated_votes < violated &&
+        if (opened.attempt.labelled.violated_votes < clearly_fewer * violated &&
             opened.mismatch.sum() < clearly_better * best.mismatch.sum())
             best = std::move(opened);
     }

@@ -16,11 +16,11 @@ struct LabelledCloud
 {
     PreparedSamples cloud;
     LabelledBalls labelled;
-    int completed = 0;      ///< Samples put on bare flat faces, the last of the cloud's [count].
-    bool opened = false;    ///< Whether lids were taken off hollows whose walls object to being filled.
-    int backs = 0;          ///< Samples put behind sheets that had the outside on both sides [count].
-    double lost_sheets = 0; ///< Share of samples in such sheets of a crust with handles, before they had backs [0..1].
-    double missed_points = 0; ///< Share off a surface with bare lids, which may have lost walls; 0: none suspected.
+    int completed = 0;       ///< Samples put on bare flat faces, the last of the cloud's [count].
+    bool opened = false;     ///< Whether lids were taken off hollows whose walls object to being filled.
+    int backs = 0;           ///< Samples put behind sheets that had the outside on both sides [count].
+    double lost_sheets = 0;  ///< Share of samples in such sheets of a crust with handles, before they had backs [0..1].
+    bool lost_walls = false; ///< Whether bare lids seem to close what walls hold that were taken for noise.
     /// Polygons of the crust, listed once: labels may be judged by their crust before it is made.
     std::optional<CrustPolygons> polygons = {};
     CrustPolygons& list_polygons(int threads);

@@ -45,6 +45,38 @@ TEST(MeasureMismatch, CountsThePointsAndTheAreaOfWhatOnlyOneOfThemHas)
     EXPECT_NEAR(measure_missed_points(points, half, 1, {}, 0.05), 0.25, 0.08); // 0.25 and more off the rim
 }
 
+// Points over a square in the plane z = 0.
+TEST(MeasureNoiseMisfit, TellsTwoSheetsFromNoise)
+{
+    constexpr double sigma = 0.01;
+    TriangleMesh square;
+    square.vertices = {Point(0, 0, 0), Point(1, 0, 0), Point(1, 1, 0), Point(0, 1, 0)};
+    square.triangles = {{0, 1, 2}, {0, 2, 3}};
+    shapes::Random random(5);
+    Points flat;
+    for (int i = 0; i < 30'000; ++i) // more than are asked
+        flat.emplace_back(shapes::uniform(random), shapes::uniform(random), 0);
+    const Points noisy = shapes::with_noise(flat, sigma, 6);
+
+    const NoiseMisfit by_noise = measure_noise_misfit(noisy, square, sigma);
+    EXPECT_NEAR(by_noise.beyond_noise, 0.0027, 0.0015);
+    EXPECT_LT(by_noise.two_sheets, 0.003);
+
+    Points sheets = shapes::with_noise(flat, 0.5 * sigma, 7);
+    for (std::size_t i = 0; i < sheets.size(); ++i)
+        sheets[i].z() += (i % 2 == 0 ? 1.5 : -1.5) * sigma;
+    const NoiseMisfit by_sheets = measure_noise_misfit(sheets, square, sigma);
+    EXPECT_LT(by_sheets.beyond_noise, 0.005);
+    EXPECT_GT(by_sheets.two_sheets, 0.95);
+    const NoiseMisfit by_three_threads = measure_noise_misfit(sheets, square, sigma, 3);
+    EXPECT_EQ(by_three_threads.beyond_noise, by_sheets.beyond_noise);
+    EXPECT_EQ(by_three_threads.two_sheets, by_sheets.two_sheets);
+
+    EXPECT_NEAR(measure_noise_misfit(noisy, square, sigma / 3).beyond_noise, 0.32, 0.02); // beyond one sigma
+    EXPECT_EQ(measure_noise_misfit({}, square, sigma).beyond_noise, 0);
+    EXPECT_EQ(measure_noise_misfit(noisy, {}, sigma).two_sheets, 0);
+}
+
 TEST(MeasureMismatch, StandsHostileInput)
 {
     const Points points = shapes::sphere(100, 0.5, 1).points;
