@@ -35,6 +35,10 @@ constexpr int fewest_in_fit = 16;
 constexpr double fewest_share = 0.3;
 /// Least mean width of a face [distances of its rim samples].
 constexpr double least_width = 2;
+/// Where four in five of at most so many members have at least this many times as many within four reaches as within
+/// one, they cover an area, and lie on no rim: 11 to 12 on walls and floors of scans, up to 8.7 where faces are.
+constexpr double as_in_area = 9.75;
+constexpr std::size_t most_asked = 500;
 /// Within this distance the surface is seen to cross a plane [noise].
 constexpr double crossing_reach = 8;
 /// Share of the heights' variance that a slope explains where the surface leans instead of ending.
@@ -193,6 +197,23 @@ private:
         return result;
     }
 
+    bool cover_an_area(const Members& members) const
+    {
+        const NeighbourSearch search(members.flat);
+        std::vector<int> near;
+        int asked = 0, as_area = 0;
+        for (std::size_t k = 0; k < members.flat.size(); k += members.flat.size() / most_asked + 1)
+        {
+            const double radius = choose_reach(search, members.flat[k]);
+            search.within(members.flat[k], radius, near);
+            const double few = double(near.size());
+            search.within(members.flat[k], 4 * radius, near);
+            as_area += double(near.size()) > as_in_area * few;
+            ++asked;
+        }
+        return as_area > (1 - strays[2]) * asked;
+    }
+
     /// Least squares through the members.
     NoisyPlane fit(const Members& members) const
     {
@@ -278,7 +299,7 @@ private:
     void append_faces(const NoisyPlane& found)
     {
         Members members = drop_leaning(list_members(found));
-        if (int(members.flat.size()) < fewest_samples)
+        if (int(members.flat.size()) < fewest_samples || cover_an_area(members))
             return;
         const NoisyPlane plane = fit(members);
         members = drop_leaning(list_members(plane));
