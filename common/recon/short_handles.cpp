@@ -172,33 +172,46 @@ std::vector<std::vector<int>> group(const std::vector<int>& balls, const Triangu
     return groups;
 }
 
-/// Lengths of rings through a set of balls, measured along the centres of balls of its side.
-class RingLength
+/// Rings through a set of balls, measured along the centres of balls of its side.
+class RingSearch
 {
 public:
-    RingLength(const Triangulation& regular, const CellsAtVertices& at, const std::vector<Ball>& balls)
-        : regular_(regular), at_(at), balls_(balls), distance_(balls.size(), unreached), piece_(balls.size(), -1),
-          is_in_(balls.size(), 0)
+    static constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+    RingSearch(const Triangulation& regular, const CellsAtVertices& at, const std::vector<Ball>& balls)
+        : regular_(regular), at_(at), balls_(balls), steps_(balls.size()), distance_(balls.size(), unbounded),
+          piece_(balls.size(), -1), is_in_(balls.size(), 0)
     {
     }
-    /// Length up to which all pieces of the set's surroundings on its side are joined without it, 0 if there is but one
-    /// piece; infinite if that is above `longest`, so also if turning the set would part a component.
-    double measure(const std::vector<int>& set, const std::vector<Side>& labels, double longest)
+    /// Whether the set's surroundings on its side are in pieces, which are all joined without it within this length.
+    bool closes_ring(const std::vector<int>& set, const std::vector<Side>& labels, double longest)
     {
         const Side side = labels[set.front()];
         for (const int b : set)
             is_in_[b] = 1;
         const std::vector<int> seeds = number_pieces(set, side, labels);
-        const double length = seeds.empty() ? 0 : join_pieces(seeds, side, labels, longest);
+        std::vector<int> pieces;
+        for (const int b : seeds)
+            pieces.push_back(piece_[b]);
+        std::sort(pieces.begin(), pieces.end());
+        pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
+        const bool result =
+            pieces.size() > 1 && (longest == unbounded ? are_joined(seeds, pieces.size(), side, labels)
+                                                       : are_near(seeds, std::move(pieces), side, labels, longest));
         for (const int b : set)
             is_in_[b] = 0;
-        for (const int b : seeds)
+        for (const int b : touched_)
             piece_[b] = -1;
-        return length;
+        touched_.clear();
+        return result;
     }
 
 private:
-    static constexpr double unreached = std::numeric_limits<double>::infinity();
+    struct Step
+    {
+        int ball;
+        double length;
+    };
 
     bool counts(int ball, Side side, const std::vector<Side>& labels) const
     {
@@ -217,6 +230,7 @@ private:
                                  {
                                      piece_[other] = int(around.size());
                                      around.push_back(other);
+                                     touched_.push_back(other);
                                  }
                              });
         DisjointSets pieces(around.size());
@@ -236,22 +250,70 @@ private:
         return around;
     }
 
-    /// Dijkstra's distances from the piece of the first seed until every piece is met.
-    double join_pieces(const std::vector<int>& seeds, Side side, const std::vector<Side>& labels, double longest)
+    /// To each neighbour of the ball once. Searches cross the same balls again and again.
+    const std::vector<Step>& steps_from(int ball)
     {
-        std::vector<int> missing;
+        std::vector<Step>& steps = steps_[ball];
+        if (!steps.empty())
+            return steps;
+        std::vector<int> others;
+        visit_neighbours(regular_, at_, ball, [&](int other) { others.push_back(other); });
+        std::sort(others.begin(), others.end());
+        others.erase(std::unique(others.begin(), others.end()), others.end());
+        for (const int other : others)
+            steps.push_back({other, (balls_[other].centre - balls_[ball].centre).norm()});
+        return steps;
+    }
+
+    /// By growing from all pieces at once, until all have met or one can grow no more.
+    bool are_joined(const std::vector<int>& seeds, std::size_t count, Side side, const std::vector<Side>& labels)
+    {
+        DisjointSets pieces(seeds.size());
+        std::vector<int> growing(seeds.size(), 0); // balls from which a piece grows
         for (const int b : seeds)
-            missing.push_back(piece_[b]);
-        std::sort(missing.begin(), missing.end());
-        missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
-        std::vector<int> touched;
+            ++growing[piece_[b]];
+        std::vector<int> queue = seeds;
+        for (std::size_t i = 0; i < queue.size(); ++i)
+        {
+            const int ball = queue[i];
+            for (const Step& step : steps_from(ball))
+            {
+                const int own = pieces.find(piece_[ball]);
+                if (!counts(step.ball, side, labels))
+                    continue;
+                if (piece_[step.ball] < 0)
+                {
+                    piece_[step.ball] = own;
+                    touched_.push_back(step.ball);
+                    queue.push_back(step.ball);
+                    ++growing[own];
+                }
+                else if (const int other = pieces.find(piece_[step.ball]); other != own)
+                {
+                    if (--count == 1)
+                        return true;
+                    pieces.join(own, other);
+                    growing[pieces.find(own)] = growing[own] + growing[other];
+                }
+            }
+            if (--growing[pieces.find(piece_[ball])] == 0)
+                return false;
+        }
+        return false;
+    }
+
+    /// By Dijkstra's distances from the piece of the first seed. \param missing all pieces.
+    bool are_near(const std::vector<int>& seeds, std::vector<int> missing, Side side, const std::vector<Side>& labels,
+                  double longest)
+    {
+        std::vector<int> reached;
         std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> queue;
         const auto reach = [&](int ball, double length)
         {
-            if (length < distance_[ball])
+            if (length <= longest && length < distance_[ball])
             {
-                if (distance_[ball] == unreached)
-                    touched.push_back(ball);
+                if (distance_[ball] == unbounded)
+                    reached.push_back(ball);
                 distance_[ball] = length;
                 queue.emplace(length, ball);
             }
@@ -259,40 +321,31 @@ private:
         for (const int b : seeds)
             if (piece_[b] == piece_[seeds.front()])
                 reach(b, 0);
-        double result = unreached;
-        while (!queue.empty())
+        while (!queue.empty() && !missing.empty())
         {
             const auto [length, ball] = queue.top();
             queue.pop();
-            if (length > longest)
-                break;
             if (length > distance_[ball])
                 continue;
             if (piece_[ball] >= 0)
                 missing.erase(std::remove(missing.begin(), missing.end(), piece_[ball]), missing.end());
-            if (missing.empty())
-            {
-                result = length;
-                break;
-            }
-            visit_neighbours(regular_, at_, ball,
-                             [&](int other)
-                             {
-                                 if (counts(other, side, labels))
-                                     reach(other, length + (balls_[other].centre - balls_[ball].centre).norm());
-                             });
+            for (const Step& step : steps_from(ball))
+                if (counts(step.ball, side, labels))
+                    reach(step.ball, length + step.length);
         }
-        for (const int b : touched)
-            distance_[b] = unreached;
-        return result;
+        for (const int b : reached)
+            distance_[b] = unbounded;
+        return missing.empty();
     }
 
     const Triangulation& regular_;
     const CellsAtVertices& at_;
     const std::vector<Ball>& balls_;
+    std::vector<std::vector<Step>> steps_; ///< Per ball, empty before it is asked for.
     std::vector<double> distance_;
     std::vector<int> piece_;
     std::vector<char> is_in_;
+    std::vector<int> touched_; ///< Balls that have a piece.
 };
 
 /// By how much turning the ball over changes the Euler characteristic of the surface.
@@ -386,7 +439,7 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
     std::vector<char> is_doubtful(labels.size());
     for (std::size_t i = 0; i < labels.size(); ++i)
         is_doubtful[i] = margins[i] < options.highest_margin && !graph.is_root[i];
-    RingLength rings(regular, at, balls);
+    RingSearch rings(regular, at, balls);
     Evidence evidence(graph, is_doubtful);
     int total = 0;
     for (int round = 0; round < options.rounds; ++round)
@@ -424,9 +477,8 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
                                  ? options.largest_support / against
                                  : options.longest_ring;
             if (against < options.least_share * carried)
-                longest = std::numeric_limits<double>::max();
-            const double length = rings.measure(set, labels, longest * mean_scale);
-            if (length == 0 || !std::isfinite(length))
+                longest = RingSearch::unbounded;
+            if (!rings.closes_ring(set, labels, longest * mean_scale))
                 continue;
             for (const int ball : set)
                 labels[ball] = opposite(labels[ball]);
