@@ -1,6 +1,7 @@
 // Refinement of sparse samples against the mesh they were taken from, plain centroid insertion and CGAL's edge-aware
-// upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [-f]
-// [-e] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases detected.
+// upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-b first seed] [-c] [-o folder]
+// [-m mode] [-f] [-e] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases
+// detected.
 #include "mesh_distance.h"
 #include "pn_models.h"
 
@@ -36,11 +37,11 @@ int main(int argc, char** argv)
 {
     if (argc < 2)
         return std::fprintf(stderr,
-                            "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-c] [-o folder] [-m mode] [-f] "
-                            "[-e] [model...]\n",
+                            "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-b first seed] [-c] [-o folder] "
+                            "[-m mode] [-f] [-e] [model...]\n",
                             argv[0]),
                2;
-    int samples = 3500, seeds = 5;
+    int samples = 3500, seeds = 5, first_seed = 1;
     bool with_cgal = false, with_face_normals = false;
     std::string output;
     recon::PnRefineOptions options;
@@ -55,6 +56,8 @@ int main(int argc, char** argv)
             options.steps = std::atoi(argv[++i]);
         else if (word == "-s")
             seeds = std::atoi(argv[++i]);
+        else if (word == "-b")
+            first_seed = std::atoi(argv[++i]);
         else if (word == "-c")
             with_cgal = true;
         else if (word == "-f")
@@ -84,7 +87,7 @@ int main(int argc, char** argv)
         const recon::OrientedSamples surface = sample_mesh(model.mesh, 100000, 99);
         const double area = surface_area(model.mesh), percent = 100 / model.diagonal;
         std::vector<double> count, rms, largest, beyond, gap, pair, plain, cgal;
-        for (int seed = 1; seed <= seeds; ++seed)
+        for (int seed = first_seed; seed < first_seed + seeds; ++seed)
         {
             recon::OrientedSamples input = sample_mesh(model.mesh, samples, std::uint64_t(seed));
             if (with_face_normals)
@@ -108,7 +111,7 @@ int main(int argc, char** argv)
                 cgal.push_back(
                     distance.summarise(upsample_edge_aware(input, int(all.points.size())).appended.points).rms *
                     percent);
-            if (seed == 1 && !output.empty())
+            if (seed == first_seed && !output.empty())
                 save_ply(output + "/" + name + ".ply", all.points, all.normals);
         }
         std::printf("%-20s %8.0f | %7.4f %7.3f %6.0f %5.2f %5.3f | %7.4f %6.3f |", name.c_str(), median(count),
