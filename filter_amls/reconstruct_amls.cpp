@@ -9,6 +9,7 @@
 #include <recon/cleanness.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
+#include <recon/mismatch.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/taut_closing.h>
@@ -70,6 +71,7 @@ struct LabelledSamples
     UnitFrame frame;
     Points samples;
     LabelledBalls labelled;
+    std::vector<char> is_outlier = {}; ///< Per input point, if not exact.
 };
 
 /// Samples of the surface, labelled with its normals.
@@ -89,7 +91,7 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     Points samples = frame.to_unit(sampled.samples.points);
     LabelledBalls labelled =
         label_polar_balls(samples, sampled.samples.normals, labelling, times, progress.part(0.2, 1, "polar balls"));
-    return {frame, std::move(samples), std::move(labelled)};
+    return {frame, std::move(samples), std::move(labelled), std::move(sampled.is_outlier)};
 }
 
 /// Of the surface at the points, outward.
@@ -138,6 +140,20 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
         return {};
     outliers = isolated;
     return LabelledSamples{frame, std::move(distinct), std::move(labelled)};
+}
+
+/// Whether bare lids seem to close what walls hold that were taken for noise.
+bool seems_filled(const Points& points, const TriangleMesh& mesh, const LabelledSamples& found, double noise,
+                  int threads)
+{
+    const TriangleMesh crust{found.frame.to_unit(mesh.vertices), mesh.triangles, {}};
+    if (measure_bare_area(found.samples, crust, threads) <= bare_lid)
+        return false;
+    Points claimed;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!found.is_outlier[i])
+            claimed.push_back(found.frame.to_unit(points[i]));
+    return !measure_noise_misfit(claimed, crust, noise / found.frame.scale(), threads).is_noise();
 }
 
 /// Over holes of the scan. \param is_on_surface loses the vertices that move.
@@ -195,6 +211,10 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
         times.begin("smooth");
         is_on_surface =
             smooth_mesh(result.mesh, surface, options.threads, progress.part(0.85, 0.95, "projection of the mesh"));
+        if (seems_filled(points, result.mesh, *found, result.surface.noise, labelling.threads))
+            result.warnings.push_back("Parts of the surface have no points, and others lie beside it as no noise does: "
+                                      "walls may have been taken for noise and what they hold filled. Use the filter "
+                                      "Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
     }
     times.begin("closing");
     draw_closings_taut(result.mesh, *found, is_on_surface, labelling.threads);

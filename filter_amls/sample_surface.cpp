@@ -25,11 +25,13 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
     SurfaceSamples result;
     OrientedSamples kept;
     std::vector<double> radii, expected;
+    result.is_outlier.assign(points.size(), 0);
     // In spatial order, so that the choice does not depend on the order of the input.
     for (const int i : order_input(points).order)
     {
         if (projected.status[i] == ProjectionStatus::outlier)
         {
+            result.is_outlier[i] = 1;
             ++result.outliers;
             continue;
         }

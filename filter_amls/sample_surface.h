@@ -5,14 +5,17 @@
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
+#include <vector>
+
 namespace recon
 {
 
 /// Clean, even, oriented samples of an AMLS surface. Lengths are in input units.
 struct SurfaceSamples
 {
-    OrientedSamples samples; ///< In spatial order.
-    int outliers = 0;        ///< Points that the surface does not claim [count].
+    OrientedSamples samples;      ///< In spatial order.
+    std::vector<char> is_outlier; ///< Per point: whether the surface does not claim it.
+    int outliers = 0;             ///< Those [count].
 };
 
 /// Projects the points the surface was made of onto it, leaves outliers out, and thins what is left to Poisson disks of

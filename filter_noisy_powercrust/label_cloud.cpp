@@ -44,12 +44,6 @@ constexpr double bearable_mismatch = 0.05;
 constexpr double clearly_better = 0.5;
 
 // A denoised cloud: balls by the spacing alone, less noise, then open lids.
-/// Share of bare area above which a denoised crust may have lost walls: they read as noise, a lid closes the cup, and
-/// no vote objects. An open scan is bare as well.
-constexpr double bare_lid = 0.02;
-/// Then the points beside the lid tell: about an open scan they lie as noise does, up to these shares of the points and
-/// of the places; walls that were taken for noise lie on either side.
-constexpr double beyond_noise = 0.015, two_sheets = 0.004;
 /// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther
 /// apart.
 constexpr double least_of_walls = 0.1;
@@ -246,9 +240,12 @@ private:
         judged.mismatch.bare_area = measure_bare_area(cloud.samples, crust, labelling_.threads);
         if (!judged.has_lids())
             return false;
-        const NoiseMisfit misfit =
-            measure_noise_misfit(cloud.distinct, crust, cloud.noise / cloud.frame.scale(), labelling_.threads);
-        if (misfit.beyond_noise <= beyond_noise && misfit.two_sheets <= two_sheets)
+        Points claimed;
+        for (std::size_t i = 0; i < cloud.distinct.size(); ++i)
+            if (!cloud.is_outlier[i])
+                claimed.push_back(cloud.distinct[i]);
+        const double noise = cloud.noise / cloud.frame.scale();
+        if (measure_noise_misfit(claimed, crust, noise, labelling_.threads).is_noise())
             return false;
         judged.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, labelling_.threads);
         return true;

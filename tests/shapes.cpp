@@ -211,4 +211,32 @@ Points with_noisy_copies(const Points& points, double sigma, int copies, std::ui
     return result;
 }
 
+Cup::Cup(double wall, double side)
+{
+    const double height = 0.75 * side, inside = side - 2 * wall, depth = height - wall;
+    volume = side * side * height - inside * inside * depth;
+    Random random(3);
+    const auto add_face = [&](const Point& corner, const Vector& u, const Vector& v)
+    {
+        const int columns = std::max(int(u.norm()), 1), rows = std::max(int(v.norm()), 1);
+        for (int i = 0; i < columns; ++i)
+            for (int j = 0; j < rows; ++j)
+            {
+                const double along = (i + 0.2 + 0.6 * uniform(random)) / columns;
+                points.push_back(corner + along * u + (j + 0.2 + 0.6 * uniform(random)) / rows * v);
+            }
+    };
+    add_face({0, 0, 0}, {side, 0, 0}, {0, side, 0});
+    add_face({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
+    for (const double far : {0.0, 1.0})
+    {
+        add_face({0, far * side, 0}, {side, 0, 0}, {0, 0, height});
+        add_face({far * side, 0, 0}, {0, side, 0}, {0, 0, height});
+        add_face({wall, wall + far * inside, wall}, {inside, 0, 0}, {0, 0, depth});
+        add_face({wall + far * inside, wall, wall}, {0, inside, 0}, {0, 0, depth});
+        add_face({0, far * (side - wall), height}, {side, 0, 0}, {0, wall, 0});
+        add_face({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
+    }
+}
+
 } // namespace shapes

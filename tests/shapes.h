@@ -46,4 +46,13 @@ recon::Points with_noise_beyond(double x, const recon::Points& points, double si
 /// Every point, and `copies` Gaussian copies of it: the clouds of Mederos et al. and of our benchmarks.
 recon::Points with_noisy_copies(const recon::Points& points, double sigma, int copies, std::uint64_t seed);
 
+/// A square cup with one sample a unit of area.
+struct Cup
+{
+    explicit Cup(double wall, double side = 16);
+
+    double volume; ///< Of its walls and its ground.
+    recon::Points points;
+};
+
 } // namespace shapes

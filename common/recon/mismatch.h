@@ -23,16 +23,23 @@ struct Mismatch
 Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads = 1,
                           const Progress& progress = {});
 
-/// Signs that points lie beside a surface otherwise than by mere noise, as when two walls are taken for one noisy
-/// sheet.
+/// Share of bare area above which a denoised crust may have lost walls: they read as noise, a lid closes what they
+/// hold, and no vote objects. An open scan is bare as well.
+inline constexpr double bare_lid = 0.02;
+
+/// How points lie beside a surface: about that of an open scan as noise does, but walls that were taken for noise lie
+/// on either side of theirs.
 struct NoiseMisfit
 {
     double beyond_noise = 0; ///< Share of points farther from it than three standard deviations [0..1]; 0.003 by noise.
-    double two_sheets = 0;   ///< Share of places whose points are all about as far from it, mean above 0.9 root mean
-                           ///< square [0..1]: half on either side. Gaussian noise has 0.8, two sheets 1.
+    /// Share of places whose points are all about as far from it, mean above 0.9 of the root mean square [0..1]: half
+    /// on either side. Gaussian noise has 0.8, two sheets 1.
+    double two_sheets = 0;
+
+    bool is_noise() const { return beyond_noise <= 0.015 && two_sheets <= 0.004; }
 };
 
-/// Of at most 20,000 of the points. \param noise standard deviation [length], > 0. \throws Cancelled.
+/// Of at most 20,000 of the points, without outliers. \param noise standard deviation [length], > 0. \throws Cancelled.
 NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh, double noise, int threads = 1,
                                  const Progress& progress = {});
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 using namespace recon;
 
@@ -154,6 +155,28 @@ TEST(ReconstructAmls, ProjectsPointsThatAreNoisyInParts)
     const AmlsReconstruction found = reconstruct_amls(shapes::with_noise_beyond(0.5, points, sigma, 2));
     EXPECT_EQ(found.genus, 1);
     EXPECT_GT(found.vertices_on_surface, 0.99 * double(found.mesh.vertices.size()));
+}
+
+TEST(ReconstructAmls, SaysThatWallsSeemFilledButNotOfAnOpenScan)
+{
+    const auto says_so = [](const Points& points)
+    {
+        const AmlsReconstruction result = reconstruct_amls(points);
+        return std::any_of(result.warnings.begin(), result.warnings.end(),
+                           [](const std::string& text) { return text.find("taken for noise") != std::string::npos; });
+    };
+    EXPECT_TRUE(says_so(shapes::with_noise(shapes::Cup(1.2).points, 0.2, 4))); // 2.4 times its volume
+    EXPECT_FALSE(says_so(shapes::with_noise(shapes::Cup(2.5).points, 0.4, 4)));
+    Points half;
+    for (const Point& p : shapes::sphere(4000, 1, 2).points)
+        if (p.z() > 0)
+            half.push_back(p);
+    Points scan = shapes::with_noisy_copies(half, 0.02, 4, 3);
+    EXPECT_FALSE(says_so(scan));
+    for (int k = 0; k < 20; ++k)
+        for (int i = 0; i < 25; ++i)
+            scan.emplace_back(0.13 * k - 1.2, 0.1 * i - 1.2, 1.1 + 0.03 * ((7 * k + 3 * i) % 11)); // outliers
+    EXPECT_FALSE(says_so(scan));
 }
 
 TEST(ReconstructAmls, WhatClosesACupWithAWavyRimIsDrawnTaut)

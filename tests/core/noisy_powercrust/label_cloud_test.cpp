@@ -17,43 +17,6 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-/// A cup with one sample a unit of area.
-struct Cup
-{
-    explicit Cup(double wall, double side = 16)
-    {
-        const double height = 0.75 * side, inside = side - 2 * wall, depth = height - wall;
-        volume = side * side * height - inside * inside * depth;
-        add_face({0, 0, 0}, {side, 0, 0}, {0, side, 0});
-        add_face({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
-        for (const double far : {0.0, 1.0})
-        {
-            add_face({0, far * side, 0}, {side, 0, 0}, {0, 0, height});
-            add_face({far * side, 0, 0}, {0, side, 0}, {0, 0, height});
-            add_face({wall, wall + far * inside, wall}, {inside, 0, 0}, {0, 0, depth});
-            add_face({wall + far * inside, wall, wall}, {0, inside, 0}, {0, 0, depth});
-            add_face({0, far * (side - wall), height}, {side, 0, 0}, {0, wall, 0});
-            add_face({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
-        }
-    }
-
-    double volume = 0;
-    Points points;
-
-private:
-    void add_face(const Point& corner, const Vector& u, const Vector& v)
-    {
-        const int columns = std::max(int(u.norm()), 1), rows = std::max(int(v.norm()), 1);
-        for (int i = 0; i < columns; ++i)
-            for (int j = 0; j < rows; ++j)
-                points.push_back(corner + (i + 0.2 + 0.6 * uniform()) / columns * u +
-                                 (j + 0.2 + 0.6 * uniform()) / rows * v);
-    }
-    double uniform() { return shapes::uniform(random_); }
-
-    shapes::Random random_{3};
-};
-
 bool says(const NoisyPowerCrust& crust, const std::string& words)
 {
     return std::any_of(crust.warnings.begin(), crust.warnings.end(),
@@ -70,7 +33,7 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
     };
     for (const Case& one : {Case{1.2, 0.2, 0.2}, Case{1.5, 0.2, 0.1}, Case{2, 0.4, 0.1}, Case{2.5, 0.6, 0.1}})
     {
-        const Cup cup(one.wall);
+        const shapes::Cup cup(one.wall);
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.points, one.noise, 4));
         const checks::MeshReport report = checks::examine_mesh(crust.mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
@@ -83,7 +46,7 @@ TEST(NoisyPowerCrust, ACupBesideARodSampledOnItsRimsIsNotFilled)
 {
     constexpr double noise = 0.3, radius = 14, length = 20;
     constexpr int corners = 60;
-    const Cup cup(1.5, 24);
+    const shapes::Cup cup(1.5, 24);
     Points points = shapes::with_noise(cup.points, noise, 4), rims;
     for (const double z : {0.0, length})
         flat_shapes::append_ring(rims, 72, 0, z, radius, corners);
@@ -131,7 +94,7 @@ TEST(NoisyPowerCrust, SaysThatWallsSeemLost)
 {
     const auto says_so = [](double wall, double noise)
     {
-        return says(reconstruct_noisy_power_crust(shapes::with_noise(Cup(wall).points, noise, 4)),
+        return says(reconstruct_noisy_power_crust(shapes::with_noise(shapes::Cup(wall).points, noise, 4)),
                     "walls may have been taken for noise");
     };
     EXPECT_TRUE(says_so(1.3, 0.5)); // filled: at no noise assumed are its walls found
@@ -145,11 +108,20 @@ TEST(NoisyPowerCrust, AnOpenNoisyScanHasLostNoWalls)
     for (const Point& p : shapes::sphere(6000, 1, 2).points)
         if (p.z() > 0)
             half.push_back(p);
-    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noisy_copies(half, 0.02, 4, 3));
-    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
-    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-    EXPECT_NEAR(report.volume, 2 * pi / 3, 0.06);
-    EXPECT_FALSE(says(crust, "walls may have been taken for noise"));
+    Points scan = shapes::with_noisy_copies(half, 0.02, 4, 3);
+    const std::size_t count = scan.size();
+    shapes::Random random(7);
+    for (const double outliers : {0.0, 0.05})
+    {
+        while (double(scan.size()) < (1 + outliers) * double(count))
+            scan.emplace_back(3 * shapes::uniform(random) - 1.5, 3 * shapes::uniform(random) - 1.5,
+                              1.7 * shapes::uniform(random) - 0.1);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(scan);
+        const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+        EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+        EXPECT_NEAR(report.volume, 2 * pi / 3, 0.1);
+        EXPECT_FALSE(says(crust, "walls may have been taken for noise")) << outliers;
+    }
 }
 
 // A ball before a wall as a depth camera sees them, noise growing with the square of the depth. Votes object to any way
@@ -183,19 +155,19 @@ TEST(NoisyPowerCrust, AnOpenSceneIsNoLostWall)
     EXPECT_LT(crust.violated_votes, 0.05); // 0.39 without backs
 }
 
-// Walls thinner than a spacing, with noise of four tenths of it: chance has a say.
-TEST(NoisyPowerCrust, OpensSomeLidsOfCupsThatAreFilledAtAnyNoise)
+// Walls of one spacing, with noise of a fifth of it: chance has a say.
+TEST(NoisyPowerCrust, OpensLidsOfCupsThatAreFilledAtAnyNoise)
 {
     int opened = 0;
-    for (const double wall : {0.8, 1.0})
+    for (const double wall : {1.0, 1.2})
         for (unsigned seed = 1; seed <= 6; ++seed)
         {
-            const Cup cup(wall);
-            const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.points, 0.4, seed));
+            const shapes::Cup cup(wall);
+            const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.points, 0.2, seed));
             const checks::MeshReport report = checks::examine_mesh(crust.mesh);
             EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-            const bool is_right = std::abs(report.volume - cup.volume) < 0.15 * cup.volume;
+            const bool is_right = std::abs(report.volume - cup.volume) < 0.2 * cup.volume;
             opened += is_right && says(crust, "left hollow");
         }
-    EXPECT_GE(opened, 2) << "of 12";
+    EXPECT_GE(opened, 8) << "of 12";
 }
