@@ -50,7 +50,8 @@ constexpr double least_of_walls = 0.1;
 /// How often the noise is halved.
 constexpr int halvings = 3;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
-/// again leave less than a quarter; where the second share is left, less noise still is not worth its time.
+/// again leave less than a quarter; beside completed faces, where the second share is left, less noise still is not
+/// worth its time.
 constexpr double found_again = 0.25, hopeless = 0.45;
 /// The same where faces were completed: what is laid bare has a say there as well.
 constexpr double found_again_beside_flats = 0.35;
@@ -272,7 +273,8 @@ private:
     /// attempt violates.
     double try_less_noise(Judged& best, const Progress& progress)
     {
-        const double share = best.attempt.completed > 0 ? found_again_beside_flats : found_again;
+        const bool has_flats = best.attempt.completed > 0;
+        const double share = has_flats ? found_again_beside_flats : found_again;
         double noise = best.attempt.cloud.noise, most_missed = best.mismatch.missed_points, violated = 0;
         for (int i = 0; i < halvings && best.has_lids(); ++i)
         {
@@ -283,7 +285,7 @@ private:
             violated = finer.attempt.labelled.violated_votes;
             const double missed = finer.mismatch.missed_points;
             const bool is_hollow = finer.mismatch.bare_area <= bare_lid && missed < best.mismatch.missed_points;
-            if (!is_hollow && missed > hopeless * best.mismatch.missed_points)
+            if (has_flats && !is_hollow && missed > hopeless * best.mismatch.missed_points)
                 break;
             if ((is_hollow || missed < most_missed) && !lays_bare(finer.attempt, best.attempt))
                 best = std::move(finer);

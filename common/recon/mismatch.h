@@ -36,7 +36,7 @@ struct NoiseMisfit
     /// on either side. Gaussian noise has 0.8, two sheets 1.
     double two_sheets = 0;
 
-    bool is_noise() const { return beyond_noise <= 0.015 && two_sheets <= 0.004; }
+    bool is_noise() const { return beyond_noise <= 0.05 && two_sheets <= 0.01; }
 };
 
 /// Of at most 20,000 of the points, without outliers. \param noise standard deviation [length], > 0. \throws Cancelled.

@@ -97,7 +97,7 @@ TEST(NoisyPowerCrust, SaysThatWallsSeemLost)
         return says(reconstruct_noisy_power_crust(shapes::with_noise(shapes::Cup(wall).points, noise, 4)),
                     "walls may have been taken for noise");
     };
-    EXPECT_TRUE(says_so(1.3, 0.5)); // filled: at no noise assumed are its walls found
+    EXPECT_TRUE(says_so(0.8, 0.2)); // filled: at no noise assumed are its walls found
     EXPECT_FALSE(says_so(2.5, 0.3));
 }
 
