@@ -44,6 +44,9 @@ constexpr double bearable_mismatch = 0.05;
 constexpr double clearly_better = 0.5;
 
 // A denoised cloud: balls by the spacing alone, less noise, then open lids.
+/// Share of points missed above which walls may be lost where faces were completed: what lies beside those that were
+/// not found is not noise either.
+constexpr double missed_beside_flats = 0.015;
 /// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther
 /// apart.
 constexpr double least_of_walls = 0.1;
@@ -233,7 +236,7 @@ private:
     }
 
     /// Whether a denoised crust has lids, seen from its samples, and points beside it as no noise lies. Measures the
-    /// mismatch then.
+    /// mismatch.
     bool lacks_walls(Judged& judged)
     {
         const PreparedSamples& cloud = judged.attempt.cloud;
@@ -241,15 +244,18 @@ private:
         judged.mismatch.bare_area = measure_bare_area(cloud.samples, crust, labelling_.threads);
         if (!judged.has_lids())
             return false;
+        judged.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, labelling_.threads);
+        return judged.attempt.completed > 0 ? judged.mismatch.missed_points > missed_beside_flats
+                                            : !lies_as_noise_does(cloud, crust);
+    }
+
+    bool lies_as_noise_does(const PreparedSamples& cloud, const TriangleMesh& crust) const
+    {
         Points claimed;
         for (std::size_t i = 0; i < cloud.distinct.size(); ++i)
             if (!cloud.is_outlier[i])
                 claimed.push_back(cloud.distinct[i]);
-        const double noise = cloud.noise / cloud.frame.scale();
-        if (measure_noise_misfit(claimed, crust, noise, labelling_.threads).is_noise())
-            return false;
-        judged.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, labelling_.threads);
-        return true;
+        return measure_noise_misfit(claimed, crust, cloud.noise / cloud.frame.scale(), labelling_.threads).is_noise();
     }
 
     /// Votes do not object to walls that are lost; where so many do the scene is open, and less noise makes lace of it.
