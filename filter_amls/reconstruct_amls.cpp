@@ -71,7 +71,7 @@ struct LabelledSamples
     UnitFrame frame;
     Points samples;
     LabelledBalls labelled;
-    std::vector<char> is_outlier = {}; ///< Per input point, if not exact.
+    std::vector<int> claimed = {}; ///< Input points that the surface claims, if not exact.
 };
 
 /// Samples of the surface, labelled with its normals.
@@ -91,7 +91,7 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     Points samples = frame.to_unit(sampled.samples.points);
     LabelledBalls labelled =
         label_polar_balls(samples, sampled.samples.normals, labelling, times, progress.part(0.2, 1, "polar balls"));
-    return {frame, std::move(samples), std::move(labelled), std::move(sampled.is_outlier)};
+    return {frame, std::move(samples), std::move(labelled), std::move(sampled.claimed)};
 }
 
 /// Of the surface at the points, outward.
@@ -149,10 +149,7 @@ bool seems_filled(const Points& points, const TriangleMesh& mesh, const Labelled
     const TriangleMesh crust{found.frame.to_unit(mesh.vertices), mesh.triangles, {}};
     if (measure_bare_area(found.samples, crust, threads) <= bare_lid)
         return false;
-    Points claimed;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (!found.is_outlier[i])
-            claimed.push_back(found.frame.to_unit(points[i]));
+    const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
     return !measure_noise_misfit(claimed, crust, noise / found.frame.scale(), threads).is_noise();
 }
 

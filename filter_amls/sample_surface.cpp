@@ -25,16 +25,15 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
     SurfaceSamples result;
     OrientedSamples kept;
     std::vector<double> radii, expected;
-    result.is_outlier.assign(points.size(), 0);
     // In spatial order, so that the choice does not depend on the order of the input.
     for (const int i : order_input(points).order)
     {
         if (projected.status[i] == ProjectionStatus::outlier)
         {
-            result.is_outlier[i] = 1;
             ++result.outliers;
             continue;
         }
+        result.claimed.push_back(i);
         kept.points.push_back(projected.points[i]);
         kept.normals.push_back(projected.normals[i]);
         radii.push_back(0.4 * projected.widths[i]);

@@ -13,9 +13,9 @@ namespace recon
 /// Clean, even, oriented samples of an AMLS surface. Lengths are in input units.
 struct SurfaceSamples
 {
-    OrientedSamples samples;      ///< In spatial order.
-    std::vector<char> is_outlier; ///< Per point: whether the surface does not claim it.
-    int outliers = 0;             ///< Those [count].
+    OrientedSamples samples;  ///< In spatial order.
+    std::vector<int> claimed; ///< Distinct points that the surface claims, in spatial order.
+    int outliers = 0;         ///< The other distinct points [count].
 };
 
 /// Projects the points the surface was made of onto it, leaves outliers out, and thins what is left to Poisson disks of

@@ -244,18 +244,18 @@ private:
         judged.mismatch.bare_area = measure_bare_area(cloud.samples, crust, labelling_.threads);
         if (!judged.has_lids())
             return false;
+        const bool has_flats = judged.attempt.completed > 0;
+        if (!has_flats && lies_as_noise_does(cloud, crust))
+            return false;
         judged.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, labelling_.threads);
-        return judged.attempt.completed > 0 ? judged.mismatch.missed_points > missed_beside_flats
-                                            : !lies_as_noise_does(cloud, crust);
+        return !has_flats || judged.mismatch.missed_points > missed_beside_flats;
     }
 
     bool lies_as_noise_does(const PreparedSamples& cloud, const TriangleMesh& crust) const
     {
-        Points claimed;
-        for (std::size_t i = 0; i < cloud.distinct.size(); ++i)
-            if (!cloud.is_outlier[i])
-                claimed.push_back(cloud.distinct[i]);
-        return measure_noise_misfit(claimed, crust, cloud.noise / cloud.frame.scale(), labelling_.threads).is_noise();
+        return measure_noise_misfit(points_at(cloud.claimed, cloud.distinct), crust, cloud.noise / cloud.frame.scale(),
+                                    labelling_.threads)
+            .is_noise();
     }
 
     /// Votes do not object to walls that are lost; where so many do the scene is open, and less noise makes lace of it.

@@ -82,7 +82,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
             result.choose_frame(sampled.samples.points, points);
         result.samples = result.frame.to_unit(sampled.samples.points);
         result.normals = std::move(sampled.samples.normals);
-        result.is_outlier = std::move(sampled.is_outlier);
+        result.claimed = std::move(sampled.claimed);
     }
     // Too few left to span anything: then all were surface.
     if (result.samples.size() < 4)

@@ -46,7 +46,7 @@ struct PreparedSamples
     Points samples;                     ///< In the unit frame: `distinct`, or cleaned.
     Vectors normals;                    ///< Outward, one per sample if denoised, else empty.
     int outliers = 0;                   ///< Points left out [count].
-    std::vector<char> is_outlier;       ///< Per distinct point, if denoised.
+    std::vector<int> claimed;           ///< The distinct points that are no outliers, if denoised.
     FlatCompletion completion;          ///< Of bare flat faces that are exactly flat; not among the samples.
     double noise = 0;                   ///< Standard deviation, given or estimated [input units].
 };

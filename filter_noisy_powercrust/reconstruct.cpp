@@ -61,9 +61,8 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
 {
     if (found.lost_walls)
         result.warnings.push_back(
-            "Parts of the surface have no points, and others lie beside it as no noise does: walls "
-            "may have been taken for noise and what they hold filled. Set noise to what the "
-            "scanner has, or scan more densely.");
+            "Parts of the surface have no points, and others lie beside it as no noise does: walls may have been taken "
+            "for noise and what they hold filled. Set noise to what the scanner has, or scan more densely.");
     if (found.opened)
         result.warnings.push_back("Walls are hardly thicker than the noise or the spacing. What they hold was left "
                                   "hollow, since the points object to filling it; the walls may have holes. Scan them "

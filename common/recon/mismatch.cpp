@@ -26,7 +26,7 @@ using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterato
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 /// Points so near to the surface may be noise, where it is known [its standard deviation].
-constexpr double beyond_noise = 5;
+constexpr double reach_of_noise = 5;
 /// See NoiseMisfit.
 constexpr double far_by_noise = 3, about_equal = 0.9;
 /// Points of a place [count]: in Gaussian noise 0.13 % of the places pass for two sheets.
@@ -82,7 +82,7 @@ double measure_missed_points(const Points& points, const TriangleMesh& mesh, con
     parallel_for(asked.size(), threads, progress,
                  [&](std::size_t i)
                  {
-                     const double reach = std::max(measure_spacing_at(asked[i], search), beyond_noise * noise);
+                     const double reach = std::max(measure_spacing_at(asked[i], search), reach_of_noise * noise);
                      is_missed[i] = distance.squared(asked[i]) > reach * reach;
                  });
     return double(std::count(is_missed.begin(), is_missed.end(), 1)) / double(asked.size());
