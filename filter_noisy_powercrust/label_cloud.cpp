@@ -1,7 +1,6 @@
 #include "label_cloud.h"
 
 #include "back_sheets.h"
-#include "complete_noisy_flats.h"
 #include "lids.h"
 
 #include <recon/crust_mesh.h>
@@ -19,19 +18,6 @@ namespace
 
 // Limits of the attempts, in the order in which they are made. Each has a sign that calls for it, and a share of what
 // speaks against the crust so far that it may keep: an attempt that keeps more balls fits any points better.
-
-// Flat faces completed.
-/// Up to this share of violated votes a denoised cloud is not searched for bare faces.
-constexpr double calm_votes = 0.005;
-/// Completed flat faces stay if this share of the votes violated before is left: 0.23 to 0.58 where they were faces,
-/// 0.77 and more where one was not.
-/// Lids stay open by the same share: 0.07 to 0.55 where they closed cups, 0.98 where they were taken off mere noise.
-constexpr double clearly_fewer = 0.65;
-/// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes.
-constexpr double certain_votes = 0.02;
-/// Widths of the slabs in which planes are sought, in turns, while the completed crust is bare or in pieces [1 = by the
-/// noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area tells.
-constexpr double slab_widths[] = {1, 1.1, 1.35};
 
 // A clean cloud: balls by the spacing alone, then denoised.
 /// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
@@ -63,6 +49,9 @@ constexpr double found_again_beside_flats = 0.35;
 constexpr double laid_bare = 3;
 /// Share of violated votes above which the walls of what is filled, seen with less noise, object to that.
 constexpr double objecting_votes = 0.02;
+/// Share of them that open lids may leave: 0.07 to 0.55 where they closed cups, 0.98 where they were taken off mere
+/// noise.
+constexpr double clearly_fewer = 0.65;
 
 // Sheets that have the outside on both sides: backs behind them.
 /// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample or
@@ -304,19 +293,15 @@ private:
     {
         if (best.completed == 0)
             return false;
-        const double before = measure_lack(best.cloud, best.cloud.samples, extract(best)),
-                     after = measure_lack(finer.cloud, finer.cloud.samples, extract(finer));
+        const double before = lack(best), after = lack(finer);
         return after > laid_bare * before;
     }
 
-    /// Share of the area that is bare seen from the samples, and where hardly any is not, share of the points that the
-    /// crust misses by more than any noise.
-    double measure_lack(const PreparedSamples& cloud, const Points& samples, const TriangleMesh& crust) const
+    double lack(LabelledCloud& found)
     {
-        const double bare = measure_bare_area(samples, crust, labelling_.threads);
-        return bare <= bare_lid ? bare
-                                : bare + measure_missed_points(cloud.distinct, crust, labelling_.threads, {},
-                                                               noise_ / cloud.frame.scale());
+        const TriangleMesh crust = extract(found);
+        return measure_lack(found.cloud, found.cloud.samples, crust, noise_ / found.cloud.frame.scale(),
+                            labelling_.threads);
     }
 
     /// The cloud with the least noise and all lids open: where the points object to what is filled, the mouth of a cup
@@ -357,105 +342,9 @@ private:
 
     LabelledCloud label(PreparedSamples cloud, bool fine, const Progress& progress)
     {
-        BallLabellingOptions in_units = options_for(cloud);
-        in_units.fine = fine;
-        const auto label_samples = [&](const Points& samples, const Vectors& normals, double from, double to)
-        { return label_polar_balls(samples, normals, in_units, times_, progress.part(from, to, "polar balls")); };
-        LabelledBalls plain = label_samples(cloud.samples, cloud.normals, 0, 0.6);
-        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
-        // are.
-        const double bearable = std::max(cloud.denoised ? 0 : certain_votes, clearly_fewer * plain.violated_votes);
-        std::optional<CompletedFlats> best;
-        for (const double width : slab_widths)
-        {
-            std::optional<Completion> completion = complete(cloud, plain.violated_votes, width);
-            if (!completion)
-                break;
-            LabelledBalls labelled = label_samples(completion->samples, completion->normals, 0.6, 1);
-            CompletedFlats flats{std::move(*completion), std::move(labelled)};
-            const bool is_agreed = flats.labelled.violated_votes <= bearable;
-            if (is_agreed && cloud.denoised)
-                judge_flats(flats, cloud);
-            if (is_agreed && (!best || flats.is_better_than(*best)))
-                best = std::move(flats);
-            // Only where faces were found at once is it worth while to look for more.
-            if (!best || !cloud.denoised || best->is_whole())
-                break;
-        }
-        if (!best)
-            return {std::move(cloud), std::move(plain)};
-        cloud.samples = std::move(best->completion.samples);
-        cloud.normals = std::move(best->completion.normals);
-        return {std::move(cloud), std::move(best->labelled), best->completion.added};
-    }
-
-    /// A cloud's samples with those on bare flat faces, which come last.
-    struct Completion
-    {
-        Points samples;
-        Vectors normals;
-        int added = 0; ///< [count]
-    };
-
-    /// Their labels, and what the crust still lacks.
-    struct CompletedFlats
-    {
-        Completion completion;
-        LabelledBalls labelled;
-        double lack = 0; ///< See measure_lack().
-        int bodies = 1;
-
-        bool is_whole() const { return lack <= bare_lid && bodies == 1; }
-        bool is_better_than(const CompletedFlats& other) const
-        {
-            if (bodies != other.bodies)
-                return bodies < other.bodies && lack <= std::max(bare_lid, other.lack);
-            return lack < clearly_better * other.lack;
-        }
-    };
-
-    void judge_flats(CompletedFlats& flats, const PreparedSamples& cloud)
-    {
-        times_.begin("mismatch");
-        const TriangleMesh crust = triangulate_polygons(
-            list_crust_polygons(flats.labelled.regular, flats.labelled.labels, labelling_.threads), labelling_.threads);
-        flats.lack = measure_lack(cloud, flats.completion.samples, crust);
-        flats.bodies = measure_closed_topology(crust).components;
-    }
-
-    /// Puts samples on bare flat faces; in noise they take the place of those around their rims.
-    /// \param width of the slabs in which faces are sought in noise [1 = by its standard deviation].
-    std::optional<Completion> complete(const PreparedSamples& cloud, double violated, double width)
-    {
-        Points added = cloud.completion.points;
-        Vectors normals;
-        std::vector<char> is_replaced(cloud.samples.size(), 0);
-        if (cloud.denoised)
-        {
-            if (violated <= calm_votes || !(cloud.noise > 0))
-                return {};
-            times_.begin("flat faces");
-            NoisyFlatCompletion flats =
-                complete_noisy_flats(cloud.distinct, width * cloud.noise / cloud.frame.scale(), cloud.samples,
-                                     cloud.normals, resolve_threads(options_.threads));
-            added = std::move(flats.points);
-            normals = std::move(flats.normals);
-            is_replaced = std::move(flats.is_replaced);
-        }
-        if (added.empty())
-            return {};
-        Completion result;
-        result.added = int(added.size());
-        for (std::size_t i = 0; i < cloud.samples.size(); ++i)
-            if (!is_replaced[i])
-            {
-                result.samples.push_back(cloud.samples[i]);
-                if (cloud.denoised)
-                    result.normals.push_back(cloud.normals[i]);
-            }
-        result.samples.insert(result.samples.end(), added.begin(), added.end());
-        result.normals.insert(result.normals.end(), normals.begin(), normals.end());
-        return result;
+        BallLabellingOptions labelling = options_for(cloud);
+        labelling.fine = fine;
+        return label_samples(std::move(cloud), labelling, times_, progress);
     }
 
     const Points& points_;
@@ -466,13 +355,6 @@ private:
 };
 
 } // namespace
-
-CrustPolygons& LabelledCloud::list_polygons(int threads)
-{
-    if (!polygons)
-        polygons = list_crust_polygons(labelled.regular, labelled.labels, threads);
-    return *polygons;
-}
 
 LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
                           const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)

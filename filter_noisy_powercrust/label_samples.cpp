@@ -1,0 +1,151 @@
+#include "label_samples.h"
+
+#include "complete_noisy_flats.h"
+
+#include <recon/mismatch.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace recon
+{
+namespace
+{
+
+/// Up to this share of violated votes a denoised cloud is not searched for bare faces.
+constexpr double calm_votes = 0.005;
+/// Completed flat faces stay if this share of the votes violated before is left: 0.23 to 0.58 where they were faces,
+/// 0.77 and more where one was not.
+constexpr double clearly_fewer = 0.65;
+/// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes.
+constexpr double certain_votes = 0.02;
+/// Widths of the slabs in which planes are sought, in turns, while the completed crust is bare or in pieces [1 = by the
+/// noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area tells.
+constexpr double slab_widths[] = {1, 1.1, 1.35};
+/// Share of the lack that other slabs may leave.
+constexpr double clearly_less = 0.5;
+
+/// A cloud's samples with those on bare flat faces, which come last.
+struct Completion
+{
+    Points samples;
+    Vectors normals;
+    int added = 0; ///< [count]
+};
+
+/// Their labels, and what the crust still lacks.
+struct CompletedFlats
+{
+    Completion completion;
+    LabelledBalls labelled;
+    double lack = 0; ///< See measure_lack().
+    int bodies = 1;
+
+    bool is_whole() const { return lack <= bare_lid && bodies == 1; }
+    bool is_better_than(const CompletedFlats& other) const
+    {
+        if (bodies != other.bodies)
+            return bodies < other.bodies && lack <= std::max(bare_lid, other.lack);
+        return lack < clearly_less * other.lack;
+    }
+};
+
+/// The cloud's samples and the added ones, without those that these replace. \param is_replaced per sample of the
+/// cloud.
+Completion join(const PreparedSamples& cloud, const Points& added, const Vectors& normals,
+                const std::vector<char>& is_replaced)
+{
+    Completion result;
+    result.added = int(added.size());
+    for (std::size_t i = 0; i < cloud.samples.size(); ++i)
+        if (!is_replaced[i])
+        {
+            result.samples.push_back(cloud.samples[i]);
+            if (cloud.denoised)
+                result.normals.push_back(cloud.normals[i]);
+        }
+    result.samples.insert(result.samples.end(), added.begin(), added.end());
+    result.normals.insert(result.normals.end(), normals.begin(), normals.end());
+    return result;
+}
+
+/// Puts samples on bare flat faces; in noise they take the place of those around their rims. None if there are none.
+/// \param width of the slabs in which faces are sought in noise [1 = by its standard deviation].
+std::optional<Completion> complete(const PreparedSamples& cloud, double width, PhaseTimes& times, int threads)
+{
+    if (!cloud.denoised)
+    {
+        const Points& added = cloud.completion.points;
+        return added.empty() ? std::nullopt
+                             : std::optional(join(cloud, added, {}, std::vector<char>(cloud.samples.size(), 0)));
+    }
+    times.begin("flat faces");
+    const NoisyFlatCompletion flats = complete_noisy_flats(cloud.distinct, width * cloud.noise / cloud.frame.scale(),
+                                                           cloud.samples, cloud.normals, threads);
+    return flats.points.empty() ? std::nullopt
+                                : std::optional(join(cloud, flats.points, flats.normals, flats.is_replaced));
+}
+
+void judge(CompletedFlats& flats, const PreparedSamples& cloud, double noise, int threads)
+{
+    const TriangleMesh crust =
+        triangulate_polygons(list_crust_polygons(flats.labelled.regular, flats.labelled.labels, threads), threads);
+    flats.lack = measure_lack(cloud, flats.completion.samples, crust, noise, threads);
+    flats.bodies = measure_closed_topology(crust).components;
+}
+
+} // namespace
+
+CrustPolygons& LabelledCloud::list_polygons(int threads)
+{
+    if (!polygons)
+        polygons = list_crust_polygons(labelled.regular, labelled.labels, threads);
+    return *polygons;
+}
+
+double measure_lack(const PreparedSamples& cloud, const Points& samples, const TriangleMesh& crust, double noise,
+                    int threads)
+{
+    const double bare = measure_bare_area(samples, crust, threads);
+    return bare <= bare_lid ? bare : bare + measure_missed_points(cloud.distinct, crust, threads, {}, noise);
+}
+
+LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& labelling, PhaseTimes& times,
+                            const Progress& progress)
+{
+    const auto label = [&](const Points& samples, const Vectors& normals, double from, double to)
+    { return label_polar_balls(samples, normals, labelling, times, progress.part(from, to, "polar balls")); };
+    LabelledBalls plain = label(cloud.samples, cloud.normals, 0, 0.6);
+    if (cloud.denoised && (plain.violated_votes <= calm_votes || !(cloud.noise > 0)))
+        return {std::move(cloud), std::move(plain)};
+    // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they are.
+    const double bearable = std::max(cloud.denoised ? 0 : certain_votes, clearly_fewer * plain.violated_votes);
+    std::optional<CompletedFlats> best;
+    for (const double width : slab_widths)
+    {
+        std::optional<Completion> completion = complete(cloud, width, times, labelling.threads);
+        if (!completion)
+            break;
+        LabelledBalls labelled = label(completion->samples, completion->normals, 0.6, 1);
+        CompletedFlats flats{std::move(*completion), std::move(labelled)};
+        const bool is_agreed = flats.labelled.violated_votes <= bearable;
+        if (is_agreed && cloud.denoised)
+        {
+            times.begin("mismatch");
+            judge(flats, cloud, labelling.noise_taken, labelling.threads);
+        }
+        if (is_agreed && (!best || flats.is_better_than(*best)))
+            best = std::move(flats);
+        // Only where faces were found at once is it worth while to look for more.
+        if (!best || !cloud.denoised || best->is_whole())
+            break;
+    }
+    if (!best)
+        return {std::move(cloud), std::move(plain)};
+    cloud.samples = std::move(best->completion.samples);
+    cloud.normals = std::move(best->completion.normals);
+    return {std::move(cloud), std::move(best->labelled), best->completion.added};
+}
+
+} // namespace recon

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "prepare_samples.h"
+
+#include <recon/crust_mesh.h>
+#include <recon/labelled_balls.h>
+#include <recon/progress.h>
+
+#include <optional>
+
+namespace recon
+{
+
+/// A prepared cloud and its polar balls, inner told from outer.
+struct LabelledCloud
+{
+    PreparedSamples cloud;
+    LabelledBalls labelled;
+    int completed = 0;       ///< Samples put on bare flat faces, the last of the cloud's [count].
+    bool opened = false;     ///< Whether lids were taken off hollows whose walls object to being filled.
+    int backs = 0;           ///< Samples put behind sheets that had the outside on both sides [count].
+    double lost_sheets = 0;  ///< Share of samples in such sheets of a crust with handles, before they had backs [0..1].
+    bool lost_walls = false; ///< Whether bare lids seem to close what walls hold that were taken for noise.
+    /// Polygons of the crust, listed once: labels may be judged by their crust before it is made.
+    std::optional<CrustPolygons> polygons = {};
+    CrustPolygons& list_polygons(int threads);
+};
+
+/// Labels the polar balls of prepared samples; where flat faces are bare, again with these completed, and the labels
+/// that contradict less stay. \param labelling with lengths in units of the cloud's frame. \throws Cancelled.
+LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& labelling, PhaseTimes& times,
+                            const Progress& progress = {});
+
+/// Share of a crust's area that is bare seen from the samples, and where that is more than a lid, share of the cloud's
+/// points that the crust misses by more than any noise. \param noise standard deviation [units of the frame].
+double measure_lack(const PreparedSamples& cloud, const Points& samples, const TriangleMesh& crust, double noise,
+                    int threads);
+
+} // namespace recon
