@@ -14,7 +14,7 @@ void recon::plugin_filters::add_report(const AmlsSurface& surface, plugin::Filte
     if (report.open)
         result.log.push_back(
             "The points are an open sheet without inside and outside: normals are consistent across it, "
-            "but which side they point to has no meaning.");
+            "but which side they point to has no meaning. Those of a level one, as a terrain, point up (z).");
 }
 
 plugin::PluginSpec plugin::describe_plugin()

@@ -16,6 +16,9 @@ plugin::ParameterTable<ReconstructionFilterOptions> reconstruction_table()
 {
     using Options = ReconstructionFilterOptions;
     return plugin::ParameterTable<Options>()
+        .flag("open_holes", &Options::open_holes, "Open holes",
+              "Leave holes and open ends of the scan open: what lies farther than two local spacings from every point "
+              "is dropped, where it reaches three. Off: the surface is closed.")
         .number("rho_e", &Options::rho_e, "Width (rho_e)",
                 "Width of the Gaussian weights in local feature sizes (the paper uses 0.75). 0: automatic, from noise, "
                 "spacing and curvature.")
@@ -43,8 +46,8 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Reconstr
         {"rho_e", found.surface.rho_e},   {"samples", found.samples},
         {"outliers", found.outliers},     {"vertices_on_surface", found.vertices_on_surface},
         {"components", found.components}, {"euler_characteristic", found.euler_characteristic},
-        {"genus", found.genus},           {"violated_votes", found.violated_votes},
-        {"open", found.surface.open},
+        {"genus", found.genus},           {"boundary_loops", found.boundary_loops},
+        {"open", found.surface.open},     {"violated_votes", found.violated_votes},
     };
     plugin::append_seconds(result, found.seconds);
     result.warnings = std::move(found.warnings);
@@ -64,12 +67,14 @@ plugin::FilterSpec recon::plugin_filters::describe_reconstruction()
     plugin::FilterSpec spec;
     spec.name = "Surface Reconstruction: AMLS";
     spec.python_name = "generate_surface_reconstruction_amls";
-    spec.info = std::string("Makes a <b>smooth closed surface</b> from points that are <b>noisy</b> and have <b>no "
-                            "normals</b>: the points are moved onto their AMLS surface and thinned, a power crust of "
-                            "them gives the triangles, and its vertices are put on the AMLS surface. Points without "
-                            "noise stay where they are. Holes of the scan are closed. Nothing needs to be "
-                            "tuned.<br>Colour and quality are taken from the nearest point.<br><br>") +
-                citation;
+    spec.info =
+        std::string(
+            "Makes a <b>smooth closed surface</b> from points that are <b>noisy</b> and have <b>no "
+            "normals</b>: the points are moved onto their AMLS surface and thinned, a power crust of "
+            "them gives the triangles, and its vertices are put on the AMLS surface. Points without "
+            "noise stay where they are. Holes of the scan are closed, or stay open on request. Nothing needs to be "
+            "tuned.<br>Colour and quality are taken from the nearest point.<br><br>") +
+        citation;
     spec.category = plugin::Category::remeshing | plugin::Category::point_set;
     spec.effects = plugin::Effect::makes_layer;
     spec.compute_with(reconstruction_table(), reconstruct);

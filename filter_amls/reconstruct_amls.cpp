@@ -13,6 +13,7 @@
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/taut_closing.h>
+#include <recon/trim.h>
 
 #include <algorithm>
 #include <optional>
@@ -168,6 +169,17 @@ void draw_closings_taut(TriangleMesh& mesh, const LabelledSamples& found, std::v
         }
 }
 
+/// \param is_on_surface loses the vertices that go.
+void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads)
+{
+    Points samples = found.samples;
+    found.frame.from_unit_in_place(samples);
+    std::vector<char> left;
+    for (const int former : open_holes(mesh, samples, 0, threads))
+        left.push_back(is_on_surface[former]);
+    is_on_surface = std::move(left);
+}
+
 } // namespace
 
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
@@ -176,7 +188,9 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     AmlsReconstruction result;
     PhaseTimes times;
     times.begin("surface");
-    const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.3, "AMLS surface"));
+    AmlsOptions surface_options = options;
+    surface_options.terrain_faces_up = false;
+    const AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.3, "AMLS surface"));
     result.surface = surface.report();
 
     BallLabellingOptions labelling;
@@ -215,14 +229,17 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     }
     times.begin("closing");
     draw_closings_taut(result.mesh, *found, is_on_surface, labelling.threads);
-    result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));
     times.begin("finish");
+    if (options.open_holes)
+        open_amls_holes(result.mesh, *found, is_on_surface, labelling.threads);
+    result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));
     const NeighbourSearch search(points);
     result.nearest_sample.resize(result.mesh.vertices.size());
     parallel_for(result.mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
                  [&](std::size_t v) { result.nearest_sample[v] = search.nearest(result.mesh.vertices[v]); });
-    const Topology topology = measure_closed_topology(result.mesh);
+    const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
     result.components = topology.components;
+    result.boundary_loops = topology.boundary_loops;
     result.euler_characteristic = topology.euler_characteristic;
     result.genus = topology.genus();
     times.end();

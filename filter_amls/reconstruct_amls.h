@@ -17,7 +17,8 @@ namespace recon
 struct AmlsReconstructionOptions : AmlsOptions
 {
     KeepComponents keep_components = KeepComponents::automatic;
-    bool simplify = true; ///< Collapse short edges, to about one vertex per sample.
+    bool simplify = true;    ///< Collapse short edges, to about one vertex per sample.
+    bool open_holes = false; ///< Drop what closes holes and open ends of the scan, told by the spacing, see trim.h.
 };
 
 /// Closed oriented mesh of an AMLS surface. Lengths are in input units.
@@ -32,6 +33,7 @@ struct AmlsReconstruction
         0;              ///< Vertices projected onto I = 0; the others close holes, or are clean points [count].
     int components = 0; ///< [count]
     int euler_characteristic = 0;
+    int boundary_loops = 0;            ///< 0 unless opened [count].
     int genus = 0;                     ///< Summed over the components.
     double violated_votes = 0;         ///< Share of the samples' votes that the mesh contradicts [0..1].
     std::vector<std::string> warnings; ///< In words for the user.
@@ -41,9 +43,9 @@ struct AmlsReconstruction
 /// Reconstructs a surface from noisy points without normals (Dey and Sun 2005, section 7): normals, widths, projection,
 /// and in place of Cocone a power crust of the projected, thinned points, told inside from outside by an exact cut with
 /// their normals. Its vertices are then projected onto I = 0; the topology stays. It is closed where the data closes,
-/// and over holes, drawn taut there. A cloud without noise (cleanness.h) makes the crust as it is, which then passes
-/// through its points, unless it is so open that neither they nor the surface's normals tell inside from outside.
-/// \throws InvalidInput, AlgorithmFailure, Cancelled.
+/// and over holes, drawn taut there, unless these are opened. A cloud without noise (cleanness.h) makes the crust as it
+/// is, which then passes through its points, unless it is so open that neither they nor the surface's normals tell
+/// inside from outside. \throws InvalidInput, AlgorithmFailure, Cancelled.
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options = {},
                                     const Progress& progress = {});
 

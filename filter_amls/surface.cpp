@@ -9,6 +9,7 @@
 
 #include <recon/block_search.h>
 #include <recon/errors.h>
+#include <recon/level_sheet.h>
 #include <recon/median.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
@@ -119,9 +120,19 @@ void orient_by_given(const Cells& cells, const Vectors& given, Vectors& normals)
             normals[c] = -normals[c];
 }
 
+void turn_terrain_up(const Points& points, const std::vector<double>& spacing, Vectors& normals)
+{
+    Vectors by_area = normals;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        by_area[i] *= spacing[i] * spacing[i];
+    if (is_upside_down(points, by_area))
+        for (Vector& normal : normals)
+            normal = -normal;
+}
+
 /// Sides of the landmarks, from which all cells take theirs, or from given normals.
-Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Vectors& given_normals, int threads,
-                   const Progress& progress)
+Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Vectors& given_normals,
+                   bool terrain_faces_up, int threads, const Progress& progress)
 {
     CellNormals& normals = data.cell_normals;
     Points landmarks;
@@ -132,6 +143,8 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         landmark_normals.push_back(normals.normals[c]);
     }
     Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads, progress);
+    if (terrain_faces_up && orientation.open)
+        turn_terrain_up(landmarks, choice.landmark_spacing, orientation.normals);
     if (given_normals.empty())
         orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     else
@@ -279,8 +292,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("orientation");
-    const Orientation orientation =
-        orient(*data, choice, given_normals, threads, progress.part(0.35, 0.85, "Orientation"));
+    const Orientation orientation = orient(*data, choice, given_normals, options.terrain_faces_up, threads,
+                                           progress.part(0.35, 0.85, "Orientation"));
 
     times.begin("fit");
     const AnchorStarts anchors = choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, threads);

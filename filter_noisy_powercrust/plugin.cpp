@@ -14,6 +14,9 @@ struct Options : recon::NoisyPowerCrustOptions
 plugin::ParameterTable<Options> table()
 {
     return plugin::ParameterTable<Options>()
+        .flag("open_holes", &Options::open_holes, "Open holes",
+              "Leave holes and open ends of the scan open: what lies farther than two local spacings from every point "
+              "is dropped, where it reaches three. Off: the surface is closed.")
         .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
                 "Polar balls smaller than this are dropped. It should lie above the noise and below the thinnest part "
                 "of the "
@@ -41,10 +44,8 @@ plugin::ParameterTable<Options> table()
         .flag("simplify", &Options::simplify, "Simplify",
               "Collapse short edges, to about one vertex per point that the crust was made of: at the point, with "
               "edges along creases, if the cloud is clean. The topology stays.")
-        .length(
-            "trim_length", &Options::trim_length, "Trim",
-            "Drop triangles that are farther than this from every point: opens what was closed over holes of the scan. "
-            "0: keep the surface closed.")
+        .length("trim_length", &Options::trim_length, "Trim",
+                "Instead drop all triangles that are farther than this from every point. 0: do not.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
         .count("threads", &Options::threads, "Threads",
                "Number of threads, 0: one per core. The result does not depend on it.");

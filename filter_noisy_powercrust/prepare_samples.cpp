@@ -68,6 +68,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         AmlsOptions amls;
         amls.noise = options.noise;
         amls.threads = options.threads;
+        amls.terrain_faces_up = false;
         result.surface = build_amls_surface(sorted, amls, progress.part(0.1, 0.7, "AMLS surface"));
         result.noise = result.surface->report().noise;
     }

@@ -3,13 +3,13 @@
 #include "filter_amls/smooth_mesh.h"
 #include "label_cloud.h"
 
-#include <recon/block_search.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/nearest_samples.h>
 #include <recon/parallel.h>
 #include <recon/taut_closing.h>
+#include <recon/trim.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,23 +34,6 @@ void check(const NoisyPowerCrustOptions& options)
 
 /// Above this share of violated votes right results were rare in trials.
 constexpr double safe_violation = 0.05;
-
-/// Drops triangles of which a corner, the middle of a side or the centre is farther than `length` from every sample.
-void trim(TriangleMesh& mesh, const Points& samples, double length)
-{
-    const BlockSearch search(samples);
-    std::vector<char> keep;
-    for (const auto& t : mesh.triangles)
-    {
-        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-        bool near = true;
-        for (const Point& p :
-             {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), Point((a + b + c) / 3)})
-            near = near && (p - samples[search.nearest(p)]).squaredNorm() <= length * length;
-        keep.push_back(near);
-    }
-    keep_triangles(mesh, keep);
-}
 
 std::string percent(double share)
 {
@@ -154,7 +137,9 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     }
     times.begin("finish");
     if (options.trim_length > 0)
-        trim(mesh, cloud.distinct, options.trim_length / frame.scale());
+        trim_by_length(mesh, cloud.distinct, options.trim_length / frame.scale(), labelling.threads);
+    else if (options.open_holes)
+        open_holes(mesh, cloud.samples, found.backs, labelling.threads);
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
@@ -162,7 +147,8 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
                                                         progress.part(0.95, 1, "nearest points"));
     for (const int sample : nearest.sample)
         result.nearest_sample.push_back(cloud.order[sample]);
-    const Topology topology = options.trim_length > 0 ? measure_topology(mesh) : measure_closed_topology(mesh);
+    const bool is_closed = !options.open_holes && options.trim_length == 0;
+    const Topology topology = is_closed ? measure_closed_topology(mesh) : measure_topology(mesh);
     result.components = topology.components;
     result.boundary_loops = topology.boundary_loops;
     result.euler_characteristic = topology.euler_characteristic;

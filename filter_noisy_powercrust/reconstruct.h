@@ -21,11 +21,12 @@ struct NoisyPowerCrustOptions
     double deep_intersection = 0; ///< Cosine above which neighbouring balls agree, 0..1. 0 = weighed in samples.
     KeepComponents keep_components = KeepComponents::automatic;
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
-    bool smooth = true;     ///< The crust passes through denoised samples; other vertices of a noisy cloud's crust move
-                            ///< onto its AMLS surface. Where there are no samples it is drawn taut.
-    bool simplify = true;   ///< Collapse short edges, to about one vertex per sample, of a clean cloud at the sample.
-    double trim_length = 0; ///< Drop triangles farther than this from every point [length], >= 0. 0 = keep closed.
-    int threads = 0;        ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
+    bool smooth = true;   ///< The crust passes through denoised samples; other vertices of a noisy cloud's crust move
+                          ///< onto its AMLS surface. Where there are no samples it is drawn taut.
+    bool simplify = true; ///< Collapse short edges, to about one vertex per sample, of a clean cloud at the sample.
+    bool open_holes = false; ///< Drop what closes holes and open ends of the scan, told by the spacing, see trim.h.
+    double trim_length = 0;  ///< Instead drop triangles farther than this from every point [length], >= 0. 0 = do not.
+    int threads = 0;         ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
 /// Closed oriented surface and what was chosen on the way. Lengths are in input units.
@@ -46,7 +47,7 @@ struct NoisyPowerCrust
     double violated_votes = 0; ///< Share of the samples' vote weight that the labels contradict [0..1].
     int components = 0;        ///< [count]
     int euler_characteristic = 0;
-    int boundary_loops = 0;            ///< 0 unless trimmed [count].
+    int boundary_loops = 0;            ///< 0 unless opened or trimmed [count].
     int genus = 0;                     ///< Summed over the components.
     double cleanness = 0;              ///< Share of samples that look free of noise, as the gate saw it [0..1].
     std::vector<std::string> warnings; ///< In words for the user.

@@ -34,6 +34,7 @@ class RichValues : public ParameterValues
 {
 public:
     explicit RichValues(const RichParameterList& list) : list_(list) {}
+    bool has(const std::string& name) const override { return list_.hasParameter(text_of(name)); }
     double number(const std::string& name) const override { return list_.getFloat(text_of(name)); }
     int count(const std::string& name) const override { return list_.getInt(text_of(name)); }
     int choice(const std::string& name) const override { return list_.getEnum(text_of(name)); }

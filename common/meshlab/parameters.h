@@ -41,6 +41,8 @@ class ParameterValues
 {
 public:
     virtual ~ParameterValues() = default;
+    /// Scripts may be older than a parameter.
+    virtual bool has(const std::string& name) const = 0;
     virtual double number(const std::string& name) const = 0;
     virtual int count(const std::string& name) const = 0;
     virtual int choice(const std::string& name) const = 0;
@@ -56,7 +58,8 @@ double typed_decimal(double value);
 /// The parameters of one options struct, each named once. A default is what the struct's own initializer says, so it is
 /// written in one place. `member` is a pointer to a data member or a callable that returns a reference to a field
 /// (`[](Options& o) -> double& { return o.projection.tolerance; }`). Lengths and numbers may be std::optional<double>:
-/// the host shows 0 for "not set".
+/// the host shows 0 for "not set". A parameter that a released filter gets later comes first: of scripts that lack a
+/// parameter Debian's meshlabserver bears only those.
 template <class Options>
 class ParameterTable
 {
@@ -136,12 +139,13 @@ public:
         return declarations;
     }
 
-    /// Parameter list to options.
+    /// Parameter list to options; what is not in it keeps its default.
     Options read(const ParameterValues& values) const
     {
         Options options{};
         for (const Entry& entry : entries_)
-            entry.read(values, options);
+            if (values.has(entry.declaration.name))
+                entry.read(values, options);
         return options;
     }
 

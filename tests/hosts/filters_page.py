@@ -34,7 +34,7 @@ SURFACE = {
     "rho_e": "the paper's parameter that this width amounts to",
     "cells": "cells into which the points were averaged",
     "anchors": "quadrics that make the surface",
-    "open": "the cloud is an open sheet: normals are consistent across it, but \"outside\" has no meaning",
+    "open": "the cloud is an open sheet: normals are consistent across it, but \"outside\" has no meaning; of a level one it is above",
 }
 TOPOLOGY = {
     "components": "connected parts",
@@ -65,6 +65,7 @@ VALUES = {
         "rho_e": SURFACE["rho_e"], "open": SURFACE["open"],
         "samples": "points that the mesh was made of: projected and thinned, or those of a clean cloud",
         "vertices_on_surface": "vertices on the AMLS surface; the others close holes, or are points of a clean cloud",
+        "boundary_loops": "rims, 0 unless opened",
     },
     "generate_surface_reconstruction_noisy_power_crust": {
         **NOISE, **TOPOLOGY, **OUTLIERS,
@@ -73,7 +74,7 @@ VALUES = {
         "samples": "points that the crust was made of", "completed": "of these, put on flat faces that had none but on their rims",
         "smallest_ball": "radius of the smallest polar ball kept (length)", "balls_kept": "polar balls kept",
         "cleanness": "share of samples that look free of noise; below 0.7 the noise is looked at more closely",
-        "boundary_loops": "rims, 0 unless trimmed",
+        "boundary_loops": "rims, 0 unless opened or trimmed",
     },
     "generate_medial_axis_power_shape": {
         **NOISE,
@@ -107,7 +108,7 @@ Lengths are in the layer's units, or per cent of the diagonal of its bounding bo
 those of the layer before its transform; new layers get the same transform. pymeshlab returns the result values as a dictionary, the other hosts
 log them; `seconds_...` are wall-clock seconds per phase. If a filter fails or is cancelled, the document is as it was.
 
-For `meshlabserver` a script must list every parameter: there is one for each filter in [examples](examples), to be copied and changed. They run in
+For `meshlabserver` a script must list every parameter but the first: there is one for each filter in [examples](examples), to be copied and changed. They run in
 MeshLab 2025.07 and in pymeshlab (`ms.load_filter_script`) as well.
 """
 

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import hosts
 import meshlab_2020
 from hosts import BUILD, Cloud
@@ -21,6 +23,27 @@ def test_script_in_meshlabserver(make_host, tmp_path):
         "-i", "scan.ply", "-o", "surface.ply", "-s", ROOT / "examples" / "noisy_power_crust.mlx"], tmp_path)
     assert code == 0, log
     assert assert_closed_manifold(hosts.read_ply(tmp_path / "surface.ply"))["euler_characteristic"] == 0
+
+
+@pytest.mark.parametrize("host", ["meshlabserver", "pymeshlab"])
+def test_script_older_than_a_parameter(make_host, tmp_path, host):
+    text, found = re.subn(r'.*name="open_holes".*\n', "", (ROOT / "examples" / "noisy_power_crust.mlx").read_text())
+    assert found == 1
+    (tmp_path / "old.mlx").write_text(text)
+    hosts.write_ply(tmp_path / "scan.ply", Cloud(TORUS))
+    made = make_host(host, NOISY_POWER_CRUST.plugin)
+    if host == "meshlabserver":
+        code, log = meshlab_2020.run_server(made.programs, made.display, [
+            "-i", "scan.ply", "-o", "surface.ply", "-s", tmp_path / "old.mlx"], tmp_path)
+        assert code == 0, log
+        surface = hosts.read_ply(tmp_path / "surface.ply")
+    else:
+        meshes = made.mesh_set(Cloud(TORUS))
+        meshes.load_filter_script(str(tmp_path / "old.mlx"))
+        meshes.apply_filter_script()
+        mesh = meshes.current_mesh()
+        surface = hosts.Surface(mesh.vertex_matrix(), mesh.face_matrix())
+    assert assert_closed_manifold(surface)["euler_characteristic"] == 0
 
 
 def test_script_in_pymeshlab(make_host, tmp_path):

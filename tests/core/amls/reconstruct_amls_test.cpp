@@ -217,6 +217,27 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
     EXPECT_THROW(reconstruct_amls(shapes::sphere(2000, 1, 1).points, {}, progress), Cancelled);
 }
 
+TEST(ReconstructAmls, OpensAHoleOfTheScanWhenAsked)
+{
+    Points points;
+    for (const Point& p : shapes::sphere(20000, 1, 5).points)
+        if (p.z() < 0.7)
+            points.push_back(p);
+    AmlsReconstructionOptions options;
+    options.open_holes = true;
+    for (const double sigma : {0.0, 0.02})
+    {
+        const AmlsReconstruction open = reconstruct_amls(shapes::with_noise(points, sigma, 6), options);
+        EXPECT_EQ(open.boundary_loops, 1);
+        EXPECT_EQ(open.genus, 0);
+        EXPECT_EQ(open.nearest_sample.size(), open.mesh.vertices.size());
+        EXPECT_LE(open.vertices_on_surface, int(open.mesh.vertices.size()));
+        EXPECT_EQ(open.vertices_on_surface > 0, sigma > 0);
+        for (const Point& v : open.mesh.vertices)
+            EXPECT_LT(v.z(), 0.8);
+    }
+}
+
 TEST(ReconstructAmls, AShallowDomeOfExactPointsKeepsThem)
 {
     // So open that its own crust is flooded.

@@ -288,6 +288,27 @@ TEST(AmlsSurface, TellsSheetsFromClosedSurfaces)
     }
 }
 
+TEST(AmlsSurface, ATerrainFacesUp)
+{
+    shapes::Random random(5);
+    for (const double height : {-0.2, 0.2})
+    {
+        Points terrain;
+        for (int i = 0; i < 20000; ++i)
+        {
+            const double x = shapes::uniform(random), y = shapes::uniform(random);
+            terrain.emplace_back(x, y, height * std::sin(M_PI * x) * std::sin(M_PI * y));
+        }
+        terrain = shapes::with_noise(terrain, 0.002, 8);
+        const AmlsProjection result = project_all(terrain);
+        EXPECT_TRUE(build_amls_surface(terrain).report().open);
+        EXPECT_GT(
+            std::count_if(result.normals.begin(), result.normals.end(), [](const Vector& n) { return n.z() > 0; }),
+            19990)
+            << height;
+    }
+}
+
 TEST(AmlsSurface, RefusesHostileInput)
 {
     const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();

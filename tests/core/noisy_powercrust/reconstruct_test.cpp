@@ -332,6 +332,28 @@ TEST(NoisyPowerCrust, ClosesAHoleOfTheScanAndTrimsItWhenAsked)
     EXPECT_TRUE(checks::examine_mesh(open.mesh).consistently_oriented);
 }
 
+TEST(NoisyPowerCrust, OpensAHoleOfTheScanWhenAsked)
+{
+    Points points;
+    for (const Point& p : shapes::sphere(6000, 1, 5).points)
+        if (p.z() < 0.7)
+            points.push_back(p);
+    NoisyPowerCrustOptions options;
+    options.open_holes = true;
+    for (const double sigma : {0.0, 0.01})
+    {
+        const Points cloud = sigma > 0 ? shapes::with_noisy_copies(points, sigma, 3, 4) : points;
+        const NoisyPowerCrust open = reconstruct_noisy_power_crust(cloud, options);
+        EXPECT_EQ(open.denoised, sigma > 0);
+        EXPECT_EQ(open.boundary_loops, 1);
+        EXPECT_EQ(open.components, 1);
+        EXPECT_EQ(open.genus, 0);
+        EXPECT_EQ(open.nearest_sample.size(), open.mesh.vertices.size());
+        for (const Point& v : open.mesh.vertices)
+            EXPECT_LT(v.z(), 0.8);
+    }
+}
+
 TEST(NoisyPowerCrust, WhatClosesANoisyCupWithAWavyRimIsDrawnTaut)
 {
     const double height = 1.2;

@@ -20,6 +20,10 @@ public:
             values_.at(name) = value;
     }
 
+    /// As a script that is older than the parameter.
+    void forget(const std::string& name) { values_.erase(name); }
+
+    bool has(const std::string& name) const override { return values_.count(name) > 0; }
     double number(const std::string& name) const override
     {
         return static_cast<float>(std::get<double>(values_.at(name)));

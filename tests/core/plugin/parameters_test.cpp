@@ -99,6 +99,18 @@ TEST(ParameterTable, ReadsWhatTheUserHasChosen)
     EXPECT_EQ(read.inner.tolerance, 0.001);
 }
 
+TEST(ParameterTable, WhatAScriptDoesNotKnowKeepsItsDefault)
+{
+    FakeValues values(table().declare(), {{"steps", 7}});
+    for (const char* name : {"factor", "radius", "length", "colour", "fast", "layer", "tolerance"})
+        values.forget(name);
+    const Options read = table().read(values);
+    EXPECT_EQ(read.steps, 7);
+    EXPECT_EQ(read.factor, Options().factor);
+    EXPECT_EQ(read.colour, Options().colour);
+    EXPECT_EQ(read.layer, Options().layer);
+}
+
 TEST(ParameterTable, RefusesAChoiceThatDoesNotExist)
 {
     for (const int choice : {-1, 3})

@@ -1,0 +1,271 @@
+#include <recon/trim.h>
+
+#include <recon/crust_mesh.h>
+#include <recon/disjoint_sets.h>
+#include <recon/level_sheet.h>
+#include <recon/mismatch.h>
+#include <recon/nearest_samples.h>
+#include <recon/neighbours.h>
+#include <recon/parallel.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace recon
+{
+namespace
+{
+
+using Corners = std::array<int, 3>;
+
+/// A bare part is a hole if it reaches as far as this from all samples [spacings].
+constexpr double hole_beyond = 3;
+/// Samples around a place [count], and the share of them that have its spacing or less.
+constexpr int samples_around = 80;
+constexpr double common_share = 0.9;
+/// Islands of fewer triangles than a sample and those around it have are dropped [count].
+constexpr int smallest_island = 24;
+
+/// Triangles at each vertex.
+struct Stars
+{
+    std::vector<int> first, triangle; ///< Of vertex v: triangle[first[v]..first[v + 1]).
+
+    explicit Stars(const TriangleMesh& mesh) : first(mesh.vertices.size() + 1, 0), triangle(3 * mesh.triangles.size())
+    {
+        for (const Corners& t : mesh.triangles)
+            for (const int v : t)
+                ++first[v + 1];
+        for (std::size_t v = 1; v < first.size(); ++v)
+            first[v] += first[v - 1];
+        std::vector<int> next(first.begin(), first.end() - 1);
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            for (const int v : mesh.triangles[i])
+                triangle[next[v]++] = int(i);
+    }
+};
+
+/// Triangles at the vertex in fans by shared sides, the largest first; of equal ones that with the lowest triangle.
+std::vector<std::vector<int>> list_fans(int vertex, const TriangleMesh& mesh, const Stars& stars,
+                                        const std::vector<char>& keep)
+{
+    std::vector<int> members;
+    for (int k = stars.first[vertex]; k < stars.first[vertex + 1]; ++k)
+        if (keep[stars.triangle[k]])
+            members.push_back(stars.triangle[k]);
+    DisjointSets sets(members.size());
+    std::map<int, int> across; // other end of a side -> the member seen with it
+    for (std::size_t i = 0; i < members.size(); ++i)
+        for (const int other : mesh.triangles[members[i]])
+            if (other != vertex)
+                if (const auto [seen, is_new] = across.emplace(other, int(i)); !is_new)
+                    sets.join(seen->second, int(i));
+    std::map<int, std::vector<int>> by_root;
+    for (std::size_t i = 0; i < members.size(); ++i)
+        by_root[sets.find(int(i))].push_back(members[i]);
+    std::vector<std::vector<int>> fans;
+    for (auto& [root, fan] : by_root)
+        fans.push_back(std::move(fan));
+    std::sort(fans.begin(), fans.end(),
+              [](const auto& a, const auto& b)
+              { return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front(); });
+    return fans;
+}
+
+/// Drops all but the largest fan at each vertex, until each has one.
+void leave_single_fans(const TriangleMesh& mesh, std::vector<char>& keep)
+{
+    const Stars stars(mesh);
+    std::vector<int> dropped;
+    for (std::size_t i = 0; i < keep.size(); ++i)
+        if (!keep[i])
+            dropped.push_back(int(i));
+    while (!dropped.empty())
+    {
+        std::vector<int> rim;
+        for (const int i : dropped)
+            rim.insert(rim.end(), mesh.triangles[i].begin(), mesh.triangles[i].end());
+        std::sort(rim.begin(), rim.end());
+        rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+        dropped.clear();
+        for (const int v : rim)
+        {
+            const std::vector<std::vector<int>> fans = list_fans(v, mesh, stars, keep);
+            for (std::size_t f = 1; f < fans.size(); ++f)
+                for (const int i : fans[f])
+                {
+                    keep[i] = 0;
+                    dropped.push_back(i);
+                }
+        }
+    }
+}
+
+Point centre_of(const TriangleMesh& mesh, const Corners& t)
+{
+    return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;
+}
+
+void turn(TriangleMesh& mesh, int triangle)
+{
+    std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
+    if (!mesh.faux_edges.empty())
+    {
+        std::uint8_t& faux = mesh.faux_edges[triangle]; // the first and the third side change places
+        faux = std::uint8_t((faux & 2) | ((faux & 1) << 2) | ((faux & 4) >> 2));
+    }
+}
+
+/// Turns parts that are open level sheets so that they face up.
+void turn_terrain_up(TriangleMesh& mesh)
+{
+    const MeshComponents components = find_components(mesh);
+    std::vector<std::vector<int>> members(std::size_t(components.count));
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        members[components.of_triangle[i]].push_back(int(i));
+    for (const std::vector<int>& part : members)
+    {
+        Points centres;
+        Vectors normals;
+        for (const int i : part)
+        {
+            const Corners& t = mesh.triangles[i];
+            const Point& a = mesh.vertices[t[0]];
+            centres.push_back(centre_of(mesh, t));
+            normals.push_back((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a));
+        }
+        if (!is_upside_down(centres, normals))
+            continue;
+        for (const int i : part)
+            turn(mesh, i);
+    }
+}
+
+/// Drops triangles, and islands that are left. \returns for each vertex that is left its former index.
+std::vector<int> drop(TriangleMesh& mesh, std::vector<char> keep)
+{
+    leave_single_fans(mesh, keep);
+    const std::vector<int> former = keep_triangles(mesh, keep);
+    const MeshComponents components = find_components(mesh);
+    std::vector<int> count(std::size_t(components.count), 0);
+    for (const int c : components.of_triangle)
+        ++count[c];
+    const int least = count.empty() ? 0 : std::min(smallest_island, *std::max_element(count.begin(), count.end()));
+    keep.clear();
+    for (const int c : components.of_triangle)
+        keep.push_back(count[c] >= least);
+    std::vector<int> result = keep_triangles(mesh, keep);
+    turn_terrain_up(mesh);
+    for (int& v : result)
+        v = former[v];
+    return result;
+}
+
+/// Distances from the samples, in spacings.
+class Depths
+{
+public:
+    Depths(const Points& samples, int backs, int threads)
+        : samples_(samples), scanned_(samples.begin(), samples.end() - backs), search_(scanned_),
+          spacing_(scanned_.size()), threads_(threads)
+    {
+        parallel_for(scanned_.size(), threads, {},
+                     [&](std::size_t i) { spacing_[i] = measure_spacing_at(scanned_[i], search_); });
+    }
+    std::vector<double> at(const Points& places) const
+    {
+        const NearestSamples nearest = find_nearest_samples(places, samples_, threads_);
+        std::vector<double> depths(places.size(), 0);
+        parallel_for(places.size(), threads_, {},
+                     [&](std::size_t i)
+                     {
+                         const double distance = std::sqrt(nearest.squared[i]);
+                         if (std::size_t(nearest.sample[i]) >= spacing_.size())
+                             depths[i] = std::numeric_limits<double>::infinity();
+                         else if (distance > bare_beyond * spacing_[nearest.sample[i]])
+                             depths[i] = distance / std::max(spacing_[nearest.sample[i]], measure_spacing(places[i]));
+                     });
+        return depths;
+    }
+
+private:
+    /// That most samples around the place have or fall below.
+    double measure_spacing(const Point& place) const
+    {
+        std::array<int, samples_around> around;
+        std::array<double, samples_around> squared, spacings;
+        const int found = search_.nearest(place, samples_around, around.data(), squared.data());
+        for (int i = 0; i < found; ++i)
+            spacings[i] = spacing_[around[i]];
+        const auto at = spacings.begin() + int(common_share * (found - 1));
+        std::nth_element(spacings.begin(), at, spacings.begin() + found);
+        return *at;
+    }
+
+    const Points& samples_;
+    Points scanned_;
+    NeighbourSearch search_;
+    std::vector<double> spacing_; ///< Per sample that was scanned.
+    int threads_;
+};
+
+constexpr int places_per_triangle = 7;
+
+/// Of each triangle the corners, the middles of its sides and its centre.
+Points list_places(const TriangleMesh& mesh)
+{
+    Points places;
+    places.reserve(places_per_triangle * mesh.triangles.size());
+    for (const Corners& t : mesh.triangles)
+    {
+        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+        for (const Point& p : {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), centre_of(mesh, t)})
+            places.push_back(p);
+    }
+    return places;
+}
+
+} // namespace
+
+std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double length, int threads)
+{
+    const NearestSamples nearest = find_nearest_samples(list_places(mesh), points, threads);
+    std::vector<char> keep(mesh.triangles.size(), 1);
+    for (std::size_t i = 0; i < nearest.squared.size(); ++i)
+        if (nearest.squared[i] > length * length)
+            keep[i / places_per_triangle] = 0;
+    return drop(mesh, std::move(keep));
+}
+
+std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads)
+{
+    const std::vector<double> depths = Depths(samples, backs, threads).at(list_places(mesh));
+    std::vector<double> deepest(mesh.triangles.size(), 0);
+    for (std::size_t i = 0; i < depths.size(); ++i)
+        deepest[i / places_per_triangle] = std::max(deepest[i / places_per_triangle], depths[i]);
+    // Bare triangles that share a corner are one part.
+    DisjointSets parts(mesh.vertices.size());
+    for (std::size_t i = 0; i < deepest.size(); ++i)
+        if (deepest[i] > bare_beyond)
+            for (const int v : mesh.triangles[i])
+                parts.join(mesh.triangles[i][0], v);
+    std::vector<char> is_hole(mesh.vertices.size(), 0), keep(mesh.triangles.size(), 1);
+    for (std::size_t i = 0; i < deepest.size(); ++i)
+        if (deepest[i] > hole_beyond)
+            is_hole[parts.find(mesh.triangles[i][0])] = 1;
+    for (std::size_t i = 0; i < deepest.size(); ++i)
+        keep[i] = deepest[i] <= bare_beyond || !is_hole[parts.find(mesh.triangles[i][0])];
+    if (std::count(keep.begin(), keep.end(), 1) == 0)
+        keep.assign(keep.size(), 1);
+    return drop(mesh, std::move(keep));
+}
+
+} // namespace recon
