@@ -16,7 +16,7 @@ plugin::ParameterTable<ReconstructionFilterOptions> reconstruction_table()
 {
     using Options = ReconstructionFilterOptions;
     return plugin::ParameterTable<Options>()
-        .flag("open_holes", &Options::open_holes, "Open holes",
+        .flag("open_holes", &Options::open_holes, "Leave holes open",
               "Leave holes and open ends of the scan open: what lies farther than two local spacings from every point "
               "is dropped, where it reaches three. Off: the surface is closed.")
         .number("rho_e", &Options::rho_e, "Width (rho_e)",

@@ -14,7 +14,7 @@ struct Options : recon::NoisyPowerCrustOptions
 plugin::ParameterTable<Options> table()
 {
     return plugin::ParameterTable<Options>()
-        .flag("open_holes", &Options::open_holes, "Open holes",
+        .flag("open_holes", &Options::open_holes, "Leave holes open",
               "Leave holes and open ends of the scan open: what lies farther than two local spacings from every point "
               "is dropped, where it reaches three. Off: the surface is closed.")
         .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
