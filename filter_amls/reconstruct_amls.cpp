@@ -170,12 +170,13 @@ void draw_closings_taut(TriangleMesh& mesh, const LabelledSamples& found, std::v
 }
 
 /// \param is_on_surface loses the vertices that go.
-void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads)
+void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads,
+                     const Progress& progress)
 {
     Points samples = found.samples;
     found.frame.from_unit_in_place(samples);
     std::vector<char> left;
-    for (const int former : open_holes(mesh, samples, 0, threads))
+    for (const int former : open_holes(mesh, samples, 0, threads, progress))
         left.push_back(is_on_surface[former]);
     is_on_surface = std::move(left);
 }
@@ -231,11 +232,11 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     draw_closings_taut(result.mesh, *found, is_on_surface, labelling.threads);
     times.begin("finish");
     if (options.open_holes)
-        open_amls_holes(result.mesh, *found, is_on_surface, labelling.threads);
+        open_amls_holes(result.mesh, *found, is_on_surface, labelling.threads, progress.part(0.95, 0.97, "holes"));
     result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));
     const NeighbourSearch search(points);
     result.nearest_sample.resize(result.mesh.vertices.size());
-    parallel_for(result.mesh.vertices.size(), labelling.threads, progress.part(0.95, 1, "nearest points"),
+    parallel_for(result.mesh.vertices.size(), labelling.threads, progress.part(0.97, 1, "nearest points"),
                  [&](std::size_t v) { result.nearest_sample[v] = search.nearest(result.mesh.vertices[v]); });
     const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
     result.components = topology.components;

@@ -137,14 +137,15 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     }
     times.begin("finish");
     if (options.trim_length > 0)
-        trim_by_length(mesh, cloud.distinct, options.trim_length / frame.scale(), labelling.threads);
+        trim_by_length(mesh, cloud.distinct, options.trim_length / frame.scale(), labelling.threads,
+                       progress.part(0.95, 0.97, "trimming"));
     else if (options.open_holes)
-        open_holes(mesh, cloud.samples, found.backs, labelling.threads);
+        open_holes(mesh, cloud.samples, found.backs, labelling.threads, progress.part(0.95, 0.97, "holes"));
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
     const NearestSamples nearest = find_nearest_samples(mesh.vertices, cloud.distinct, labelling.threads,
-                                                        progress.part(0.95, 1, "nearest points"));
+                                                        progress.part(0.97, 1, "nearest points"));
     for (const int sample : nearest.sample)
         result.nearest_sample.push_back(cloud.order[sample]);
     const bool is_closed = !options.open_holes && options.trim_length == 0;

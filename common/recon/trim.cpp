@@ -217,40 +217,54 @@ private:
     int threads_;
 };
 
-constexpr int places_per_triangle = 7;
-
-/// Of each triangle the corners, the middles of its sides and its centre.
-Points list_places(const TriangleMesh& mesh)
+/// Per triangle the largest of what `measure` makes of its corners, the middles of its sides and its centre.
+/// \param measure from points to as many numbers.
+template <class Measure>
+std::vector<double> find_largest(const TriangleMesh& mesh, const Progress& progress, const Measure& measure)
 {
-    Points places;
-    places.reserve(places_per_triangle * mesh.triangles.size());
-    for (const Corners& t : mesh.triangles)
+    constexpr std::size_t places_per_triangle = 7, chunk = 50'000; // places take more memory than the mesh
+    const std::size_t triangles = mesh.triangles.size();
+    std::vector<double> result(triangles, 0);
+    for (std::size_t begin = 0; begin < triangles; begin += chunk)
     {
-        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-        for (const Point& p : {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), centre_of(mesh, t)})
-            places.push_back(p);
+        progress.report(double(begin) / double(triangles));
+        Points places;
+        for (std::size_t i = begin; i < std::min(begin + chunk, triangles); ++i)
+        {
+            const Corners& t = mesh.triangles[i];
+            const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+            for (const Point& p :
+                 {a, b, c, Point((a + b) / 2), Point((b + c) / 2), Point((c + a) / 2), centre_of(mesh, t)})
+                places.push_back(p);
+        }
+        const std::vector<double> values = measure(places);
+        for (std::size_t k = 0; k < values.size(); ++k)
+        {
+            double& largest = result[begin + k / places_per_triangle];
+            largest = std::max(largest, values[k]);
+        }
     }
-    return places;
+    return result;
 }
 
 } // namespace
 
-std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double length, int threads)
+std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double length, int threads,
+                                const Progress& progress)
 {
-    const NearestSamples nearest = find_nearest_samples(list_places(mesh), points, threads);
-    std::vector<char> keep(mesh.triangles.size(), 1);
-    for (std::size_t i = 0; i < nearest.squared.size(); ++i)
-        if (nearest.squared[i] > length * length)
-            keep[i / places_per_triangle] = 0;
+    const std::vector<double> squared = find_largest(
+        mesh, progress, [&](const Points& places) { return find_nearest_samples(places, points, threads).squared; });
+    std::vector<char> keep;
+    for (const double s : squared)
+        keep.push_back(s <= length * length);
     return drop(mesh, std::move(keep));
 }
 
-std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads)
+std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads, const Progress& progress)
 {
-    const std::vector<double> depths = Depths(samples, backs, threads).at(list_places(mesh));
-    std::vector<double> deepest(mesh.triangles.size(), 0);
-    for (std::size_t i = 0; i < depths.size(); ++i)
-        deepest[i / places_per_triangle] = std::max(deepest[i / places_per_triangle], depths[i]);
+    const Depths depths(samples, backs, threads);
+    const std::vector<double> deepest =
+        find_largest(mesh, progress, [&](const Points& places) { return depths.at(places); });
     // Bare triangles that share a corner are one part.
     DisjointSets parts(mesh.vertices.size());
     for (std::size_t i = 0; i < deepest.size(); ++i)

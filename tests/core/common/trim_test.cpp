@@ -1,5 +1,6 @@
 #include <recon/crust.h>
 #include <recon/crust_mesh.h>
+#include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/trim.h>
 
@@ -92,6 +93,9 @@ TEST(OpenHoles, OpensWhatClosesACapAndNothingElse)
     TriangleMesh mesh = crust_of(samples);
     const TriangleMesh closed = mesh;
     const std::vector<int> former = open_holes(mesh, samples, 0);
+    TriangleMesh by_threads = closed;
+    open_holes(by_threads, samples, 0, 3);
+    EXPECT_EQ(by_threads.triangles, mesh.triangles);
     expect_manifold(mesh);
     const Topology topology = measure_topology(mesh);
     EXPECT_EQ(topology.boundary_loops, 2);
@@ -160,6 +164,14 @@ TEST(TrimByLength, LeavesManifoldRims)
         expect_manifold(mesh);
         EXPECT_LT(mesh.triangles.size(), before) << length;
     }
+}
+
+TEST(OpenHoles, CanBeCancelled)
+{
+    const Points samples = sphere_without(-1, 0.3);
+    TriangleMesh mesh = crust_of(samples);
+    const Progress progress([](double, const std::string&) { return false; });
+    EXPECT_THROW(open_holes(mesh, samples, 0, 1, progress), Cancelled);
 }
 
 TEST(TrimByLength, AllMayGo)
