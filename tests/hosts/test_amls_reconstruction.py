@@ -4,7 +4,7 @@ import pytest
 
 from conftest import HOSTS
 from hosts import Cloud
-from mesh_checks import assert_closed_manifold, torus
+from mesh_checks import assert_closed_manifold, examine, sphere, torus
 from released_filters import AMLS_RECONSTRUCTION as FILTER
 
 
@@ -19,6 +19,15 @@ def test_noisy_torus_becomes_a_smooth_torus(make_host, tmp_path, host):
     off = np.hypot(np.hypot(points[:, 0], points[:, 1]) - 1, points[:, 2]) - 0.4
     assert np.sqrt(np.mean(off**2)) < 0.006  # the points: 0.02
     assert outcome.values["noise"] == pytest.approx(0.02, rel=0.15)
+
+
+@pytest.mark.parametrize("host", HOSTS)
+def test_a_hole_stays_open_when_asked(make_host, tmp_path, host):
+    scan = sphere(8000, 0.02, seed=2)
+    outcome = make_host(host, FILTER.plugin).run(FILTER, Cloud(scan[scan[:, 2] < 0.7]), {"open_holes": True}, tmp_path)
+    assert outcome.error is None, outcome.error
+    assert not examine(outcome.surface)["closed"]
+    assert (outcome.values["boundary_loops"], outcome.values["components"], outcome.values["genus"]) == (1, 1, 0)
 
 
 def test_too_few_points_say_so(make_host, tmp_path):

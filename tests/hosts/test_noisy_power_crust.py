@@ -32,6 +32,15 @@ def test_noisy_torus_becomes_a_torus(any_host, tmp_path):
     assert report["volume"] == pytest.approx(2 * np.pi**2 * 0.4**2, rel=0.03)
 
 
+def test_a_hole_stays_open_when_asked(any_host, tmp_path):
+    scan = sphere(4000, 0.005, seed=2)
+    outcome = run(any_host, tmp_path, Cloud(scan[scan[:, 2] < 0.7]), open_holes=True)
+    report = examine(outcome.surface)
+    assert report["oriented"] and not report["closed"] and report["unused_vertices"] == 0, report
+    assert (outcome.values["boundary_loops"], outcome.values["components"], outcome.values["genus"]) == (1, 1, 0)
+    assert outcome.surface.points[:, 2].max() < 0.85
+
+
 def test_result_values_agree_with_the_surface(any_host, tmp_path):
     outcome = run(any_host, tmp_path, Cloud(TORUS))
     report = examine(outcome.surface)
