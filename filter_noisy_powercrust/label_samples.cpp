@@ -20,8 +20,9 @@ constexpr double calm_votes = 0.005;
 constexpr double clearly_fewer = 0.65;
 /// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes.
 constexpr double certain_votes = 0.02;
-/// Widths of the slabs in which planes are sought, in turns, while the completed crust is bare or in pieces [1 = by the
-/// noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area tells.
+/// Widths of the slabs in which planes are sought, in turns, while the votes refuse the completed crust or it is bare
+/// or in pieces [1 = by the noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area
+/// tells.
 constexpr double slab_widths[] = {1, 1.1, 1.35};
 /// Share of the lack that other slabs may leave.
 constexpr double clearly_less = 0.5;
@@ -137,8 +138,8 @@ LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& l
         }
         if (is_agreed && (!best || flats.is_better_than(*best)))
             best = std::move(flats);
-        // Only where faces were found at once is it worth while to look for more.
-        if (!best || !cloud.denoised || best->is_whole())
+        // Slabs of another width may show what is missing, or leave out a face that is none.
+        if (!cloud.denoised || (best && best->is_whole()))
             break;
     }
     if (!best)
