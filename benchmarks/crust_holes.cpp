@@ -3,10 +3,9 @@
 // spacings: rims of the crust with `open_holes`, and how far its farthest vertex lies from the cut model in spacings.
 #include "mesh_distance.h"
 #include "models.h"
+#include "pn_models.h"
 
 #include "filter_noisy_powercrust/reconstruct.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -24,17 +23,6 @@ namespace
 {
 
 constexpr int patches = 6;
-
-double spacing_of(const Model& model)
-{
-    double area = 0;
-    for (const auto& t : model.mesh.triangles)
-    {
-        const Point& a = model.mesh.vertices[t[0]];
-        area += (model.mesh.vertices[t[1]] - a).cross(model.mesh.vertices[t[2]] - a).norm() / 2;
-    }
-    return std::sqrt(area / double(model.mesh.vertices.size()));
-}
 
 /// The model without balls of this radius around six vertices, which lie apart.
 Model cut(const Model& model, double radius, unsigned seed)
@@ -91,7 +79,7 @@ int main(int argc, char** argv)
     for (const std::string& name : names)
     {
         const Model model = load_model(folder + "/" + name + ".ply");
-        const double spacing = spacing_of(model);
+        const double spacing = std::sqrt(surface_area(model.mesh) / double(model.mesh.vertices.size()));
         std::printf("| %s |", name.c_str());
         for (const double sigma : sigmas)
             for (const double radius : radii)

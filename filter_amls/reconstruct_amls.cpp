@@ -224,9 +224,9 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
         is_on_surface =
             smooth_mesh(result.mesh, surface, options.threads, progress.part(0.85, 0.95, "projection of the mesh"));
         if (seems_filled(points, result.mesh, *found, result.surface.noise, labelling.threads))
-            result.warnings.push_back("Parts of the surface have no points, and others lie beside it as no noise does: "
-                                      "walls may have been taken for noise and what they hold filled. Use the filter "
-                                      "Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
+            result.warnings.push_back(
+                std::string(lost_walls_text) +
+                " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
     }
     times.begin("closing");
     draw_closings_taut(result.mesh, *found, is_on_surface, labelling.threads);

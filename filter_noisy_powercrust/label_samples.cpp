@@ -40,7 +40,8 @@ struct CompletedFlats
 {
     Completion completion;
     LabelledBalls labelled;
-    double lack = 0; ///< See measure_lack().
+    std::optional<CrustPolygons> polygons = {}; ///< If judged.
+    double lack = 0;                            ///< See measure_lack().
     int bodies = 1;
 
     bool is_whole() const { return lack <= bare_lid && bodies == 1; }
@@ -90,8 +91,8 @@ std::optional<Completion> complete(const PreparedSamples& cloud, double width, P
 
 void judge(CompletedFlats& flats, const PreparedSamples& cloud, double noise, int threads)
 {
-    const TriangleMesh crust =
-        triangulate_polygons(list_crust_polygons(flats.labelled.regular, flats.labelled.labels, threads), threads);
+    flats.polygons = list_crust_polygons(flats.labelled.regular, flats.labelled.labels, threads);
+    const TriangleMesh crust = triangulate_polygons(*flats.polygons, threads);
     flats.lack = measure_lack(cloud, flats.completion.samples, crust, noise, threads);
     flats.bodies = measure_closed_topology(crust).components;
 }
@@ -146,7 +147,9 @@ LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& l
         return {std::move(cloud), std::move(plain)};
     cloud.samples = std::move(best->completion.samples);
     cloud.normals = std::move(best->completion.normals);
-    return {std::move(cloud), std::move(best->labelled), best->completion.added};
+    LabelledCloud result{std::move(cloud), std::move(best->labelled), best->completion.added};
+    result.polygons = std::move(best->polygons);
+    return result;
 }
 
 } // namespace recon

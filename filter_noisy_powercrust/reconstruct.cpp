@@ -6,6 +6,7 @@
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
+#include <recon/mismatch.h>
 #include <recon/nearest_samples.h>
 #include <recon/parallel.h>
 #include <recon/taut_closing.h>
@@ -43,9 +44,8 @@ std::string percent(double share)
 void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledCloud& found)
 {
     if (found.lost_walls)
-        result.warnings.push_back(
-            "Parts of the surface have no points, and others lie beside it as no noise does: walls may have been taken "
-            "for noise and what they hold filled. Set noise to what the scanner has, or scan more densely.");
+        result.warnings.push_back(std::string(lost_walls_text) +
+                                  " Set noise to what the scanner has, or scan more densely.");
     if (found.opened)
         result.warnings.push_back("Walls are hardly thicker than the noise or the spacing. What they hold was left "
                                   "hollow, since the points object to filling it; the walls may have holes. Scan them "

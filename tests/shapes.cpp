@@ -59,6 +59,15 @@ OrientedSamples ellipsoid(int n, const Vector& half_axes, std::uint64_t seed)
     return samples;
 }
 
+Points sphere_below(double z, int n, double radius, std::uint64_t seed)
+{
+    Points result;
+    for (const Point& p : sphere(n, radius, seed).points)
+        if (p.z() < z)
+            result.push_back(p);
+    return result;
+}
+
 OrientedSamples torus(int n, double major, double minor, std::uint64_t seed)
 {
     Random random(seed);

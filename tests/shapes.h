@@ -16,6 +16,8 @@ double uniform(Random& random);
 
 /// Area-uniform random points with outward normals.
 recon::OrientedSamples sphere(int n, double radius, std::uint64_t seed);
+/// What of it lies below `z`.
+recon::Points sphere_below(double z, int n, double radius, std::uint64_t seed);
 /// Torus around the z axis: tube `minor` around the circle of radius `major`.
 recon::OrientedSamples torus(int n, double major, double minor, std::uint64_t seed);
 /// Axis-aligned box centred at the origin.

@@ -27,6 +27,11 @@ Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int th
 /// hold, and no vote objects. An open scan is bare as well.
 inline constexpr double bare_lid = 0.02;
 
+/// What to tell users where walls seem lost.
+inline constexpr char lost_walls_text[] =
+    "Parts of the surface have no points, and others lie beside it as no noise does: walls may have been taken for "
+    "noise and what they hold filled.";
+
 /// How points lie beside a surface: about that of an open scan as noise does, but walls that were taken for noise lie
 /// on either side of theirs.
 struct NoiseMisfit

@@ -219,10 +219,7 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
 
 TEST(ReconstructAmls, OpensAHoleOfTheScanWhenAsked)
 {
-    Points points;
-    for (const Point& p : shapes::sphere(20000, 1, 5).points)
-        if (p.z() < 0.7)
-            points.push_back(p);
+    const Points points = shapes::sphere_below(0.7, 20000, 1, 5);
     AmlsReconstructionOptions options;
     options.open_holes = true;
     for (const double sigma : {0.0, 0.02})
