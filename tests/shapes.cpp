@@ -159,6 +159,52 @@ Points with_noise(const Points& points, double sigma, std::uint64_t seed)
     return result;
 }
 
+Points bored_plate(double side, double thickness, double bore, std::uint64_t seed)
+{
+    constexpr int draws_per_sample = 20;
+    Random random(seed);
+    const auto centred = [&](double length) { return length * (uniform(random) - 0.5); };
+    const double faces = 2 * side * side, edges = 4 * side * thickness, walls = 9 * pi * bore * thickness;
+    const auto is_in_bore = [&](const Point& p)
+    {
+        for (int i = -1; i <= 1; ++i)
+            for (int j = -1; j <= 1; ++j)
+                if (std::hypot(p.x() - i * side / 3, p.y() - j * side / 3) < bore / 2)
+                    return true;
+        return false;
+    };
+    Points points;
+    const auto add = [&](const Point& p)
+    {
+        if (std::none_of(points.begin(), points.end(), [&](const Point& q) { return (p - q).norm() < 0.8; }))
+            points.push_back(p);
+    };
+    for (int i = 0; i < draws_per_sample * (faces + edges + walls); ++i)
+    {
+        const double which = uniform(random) * (faces + edges + walls);
+        if (which < faces)
+        {
+            const Point p(centred(side), centred(side), (which < faces / 2 ? -0.5 : 0.5) * thickness);
+            if (!is_in_bore(p))
+                add(p);
+        }
+        else if (which < faces + edges)
+        {
+            const double across = (uniform(random) < 0.5 ? -0.5 : 0.5) * side, along = centred(side);
+            const bool is_x = uniform(random) < 0.5;
+            add({is_x ? across : along, is_x ? along : across, centred(thickness)});
+        }
+        else
+        {
+            const double angle = 2 * pi * uniform(random);
+            const int k = int(9 * uniform(random));
+            add({(k % 3 - 1) * side / 3 + bore / 2 * std::cos(angle),
+                 (k / 3 - 1) * side / 3 + bore / 2 * std::sin(angle), centred(thickness)});
+        }
+    }
+    return points;
+}
+
 Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed)
 {
     Random random(seed);

@@ -28,6 +28,9 @@ recon::OrientedSamples ellipsoid(int n, const recon::Vector& half_axes, std::uin
 recon::OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t seed);
 /// The two faces of a square plate of `side` spacings, one sample a unit of area, jittered within the faces.
 recon::Points thin_plate(int side, double thickness, std::uint64_t seed);
+/// A plate of `side` x `side` x `thickness` with 3 x 3 bores of diameter `bore` through it, their walls sampled as
+/// well: evenly, one sample a unit of area.
+recon::Points bored_plate(double side, double thickness, double bore, std::uint64_t seed);
 
 /// Floor and wall of a cup of radius 1 along z, whose rim at `height` goes up and down by `wave` three times around.
 recon::Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed);

@@ -295,10 +295,11 @@ double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samp
 
 /// Drops doubtful balls, absorbs islands, removes doubtful and short handles.
 /// \param noise that was taken from the samples [length], 0 = not known.
-void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, double noise, int threads)
+void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, const Vectors& normals, double noise,
+            int threads)
 {
     // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls
-    // are doubtful.
+    // are doubtful. Which short handles stay both decide.
     const std::vector<double> margins = measure_margins(graph, balls.labels);
     std::vector<char> is_small(balls.labels.size());
     std::vector<int> doubtful;
@@ -330,7 +331,8 @@ void repair(LabelledBalls& balls, SignedGraph& graph, bool oriented, double nois
                 graph.is_root[v] = 1;
             }
     remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins,
-                         options_for_handles(oriented, noise / balls.spacing, threads), balls.labels);
+                         measure_outwardness(balls.kept, samples, normals),
+                         options_for_handles(!normals.empty(), noise / balls.spacing, threads), balls.labels);
 }
 
 /// Labels before repair, and what they were found from.
@@ -393,7 +395,7 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     }
     found = {};
     times.begin("repair");
-    repair(result->balls, result->graph, oriented, options.noise_taken, options.threads);
+    repair(result->balls, result->graph, samples, normals, options.noise_taken, options.threads);
     progress.part(0.85, 1, "repair").report(1);
     times.end();
     return std::move(result->balls);

@@ -396,6 +396,42 @@ std::vector<int> narrow(std::vector<int> set, Evidence& evidence, const Triangul
     return turned;
 }
 
+/// What decides whether a set of balls is turned, beside the evidence for it and its ring.
+struct SetMeasures
+{
+    double scale = 0;     ///< Mean local scale.
+    double carried = 0;   ///< Samples that spheres as large as the balls would carry [count].
+    double agreement = 0; ///< Mean cosine between normals and its side; large balls count for 0 [-1..1].
+};
+
+SetMeasures measure_set(const std::vector<int>& set, Side side, const std::vector<Ball>& balls,
+                        const std::vector<double>& scale, const std::vector<double>& outwardness)
+{
+    // The four normals around a large ball say little of all that it fills.
+    constexpr double large_from = 2; // local scales
+    SetMeasures result;
+    for (const int b : set)
+    {
+        const double radius = balls[b].radius / scale[b];
+        result.scale += scale[b] / double(set.size());
+        result.carried += 24 * radius * radius;
+        if (!outwardness.empty() && radius < large_from)
+            result.agreement += (side == Side::outer ? 1 : -1) * outwardness[b] / double(set.size());
+    }
+    return result;
+}
+
+/// The longest ring with which the set is turned [length].
+double find_longest_ring(const SetMeasures& set, double against, const ShortHandleOptions& options)
+{
+    if (against < options.least_share * set.carried)
+        return RingSearch::unbounded;
+    double support = options.largest_support;
+    if (set.agreement > 0)
+        support = std::min(support, options.largest_agreement / (set.agreement * set.agreement));
+    return set.scale * (against * options.longest_ring > support ? support / against : options.longest_ring);
+}
+
 } // namespace
 
 int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels, int threads)
@@ -431,7 +467,8 @@ int measure_interface_euler(const Triangulation& regular, const std::vector<Side
 
 int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
                          const std::vector<double>& scale, const std::vector<double>& margins,
-                         const ShortHandleOptions& options, std::vector<Side>& labels)
+                         const std::vector<double>& outwardness, const ShortHandleOptions& options,
+                         std::vector<Side>& labels)
 {
     if (measure_interface_euler(regular, labels, options.threads) >= 2)
         return 0; // a sphere has none
@@ -466,19 +503,9 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
             const std::vector<int> set = narrow(closer.second, evidence, regular, at, labels, gain);
             if (gain <= 0)
                 continue;
-            double mean_scale = 0, carried = 0;
-            for (const int b : set)
-            {
-                mean_scale += scale[b] / double(set.size());
-                carried += 24 * std::pow(balls[b].radius / scale[b], 2);
-            }
-            const double against = evidence.of(set, labels);
-            double longest = against * options.longest_ring > options.largest_support
-                                 ? options.largest_support / against
-                                 : options.longest_ring;
-            if (against < options.least_share * carried)
-                longest = RingSearch::unbounded;
-            if (!rings.closes_ring(set, labels, longest * mean_scale))
+            const SetMeasures measures = measure_set(set, labels[set.front()], balls, scale, outwardness);
+            const double longest = find_longest_ring(measures, evidence.of(set, labels), options);
+            if (!rings.closes_ring(set, labels, longest))
                 continue;
             for (const int ball : set)
                 labels[ball] = opposite(labels[ball]);

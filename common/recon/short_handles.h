@@ -15,6 +15,9 @@ struct ShortHandleOptions
     double highest_margin = 0.9; ///< Balls at or above this margin are never turned [-1..1].
     /// A handle goes if the evidence for the balls that close it times its ring is below this [samples x local scales].
     double largest_support = 220;
+    /// Unless that times the square of the agreement of the samples' normals is not below this: holes of two spacings
+    /// have no more evidence than what noise leaves, but the normals around them point into them.
+    double largest_agreement = 25;
     double longest_ring = 40; ///< Whatever its support, no longer one goes [local scales].
     /// Unless the evidence is below this share of the samples that spheres as large as its balls would carry [0..1]:
     /// where an open scan is closed, large balls meet at its rim, and hardly a sample speaks for what hangs there.
@@ -30,10 +33,12 @@ struct ShortHandleOptions
 /// length of the ring that it closes, is small. Measured with normals: real holes 378 and more, what is left of noise
 /// mostly below 200; on clean coarse clouds real holes 50. Components are neither joined nor parted.
 /// \param scale per ball: local scale of the samples [length]. \param margins per ball, see measure_margins().
+/// \param outwardness per ball, see measure_outwardness(); empty where there are no normals.
 /// \returns the number of balls turned.
 int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
                          const std::vector<double>& scale, const std::vector<double>& margins,
-                         const ShortHandleOptions& options, std::vector<Side>& labels);
+                         const std::vector<double>& outwardness, const ShortHandleOptions& options,
+                         std::vector<Side>& labels);
 
 /// Euler characteristic of the surface between the sides. \pre every ball on the hull is outer.
 int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1);

@@ -148,6 +148,29 @@ TEST(SharePoles, LeavesFewerBallsThatTouchEverySampleOnBothSides)
         EXPECT_EQ(shared.cells[v], own.cells[v]);
 }
 
+TEST(PolarBalls, OutwardnessTellsTheirSide)
+{
+    const OrientedSamples sphere = shapes::sphere(2000, 0.4, 1);
+    Points samples = sphere.points;
+    append_box_corners(samples);
+    const Triangulation delaunay = triangulate_delaunay(samples);
+    const PolarBalls kept =
+        keep_polar_balls(delaunay, samples, find_poles(delaunay, samples), [](double, const auto&) { return true; });
+    const std::vector<double> outwardness = measure_outwardness(kept, samples, sphere.normals);
+    ASSERT_EQ(outwardness.size(), kept.balls.size());
+    int outer = 0;
+    for (std::size_t b = 0; b < kept.balls.size(); ++b)
+    {
+        const bool is_outer = kept.balls[b].centre.norm() > 0.4;
+        const bool is_at_corners =
+            std::all_of(kept.touched[b].begin(), kept.touched[b].end(), [](int v) { return v >= 2000; });
+        outer += is_outer;
+        EXPECT_TRUE(is_at_corners ? outwardness[b] == 0 : is_outer ? outwardness[b] > 0.7 : outwardness[b] < -0.7);
+    }
+    EXPECT_GT(outer, 500);
+    EXPECT_TRUE(measure_outwardness(kept, samples, {}).empty());
+}
+
 TEST(OppositeVotes, CrossASlabOfNoise)
 {
     // Noise far above the spacing: no sample keeps both balls, yet votes go across.

@@ -26,7 +26,7 @@ struct PlantedTunnel
     std::vector<Side> labels;
     Triangulation regular;
     SignedGraph graph;
-    std::vector<double> scale;
+    std::vector<double> scale, outwardness;
 
     static int index(int x, int y, int z) { return (x * (steps + 1) + y) * (steps + 1) + z; }
     static bool is_tunnel(int x, int y) { return x == 7 && (y == 7 || y == 8); }
@@ -74,7 +74,8 @@ struct PlantedTunnel
     }
     int remove(const ShortHandleOptions& options)
     {
-        return remove_short_handles(regular, graph, balls, scale, measure_margins(graph, labels), options, labels);
+        return remove_short_handles(regular, graph, balls, scale, measure_margins(graph, labels), outwardness, options,
+                                    labels);
     }
     checks::MeshReport report() const
     {
@@ -126,6 +127,18 @@ TEST(ShortHandles, LeavesWhatIsCertainOrLong)
     options.largest_support = 1;
     EXPECT_EQ(doubtful.remove(options), 0);
     EXPECT_EQ(doubtful.report().genus(), 1);
+}
+
+TEST(ShortHandles, LeavesWhatNormalsAgreeWith)
+{
+    for (const double agreement : {0.9, 0.2, -0.9})
+    {
+        PlantedTunnel planted(0.45);
+        for (const Side side : planted.labels)
+            planted.outwardness.push_back(side == Side::outer ? agreement : -agreement);
+        EXPECT_EQ(planted.remove({}) > 0, agreement < 0.5) << agreement;
+        EXPECT_EQ(planted.report().genus(), agreement < 0.5 ? 0 : 1) << agreement;
+    }
 }
 
 TEST(ShortHandles, TurnsBallsFarLargerThanTheLocalScale)

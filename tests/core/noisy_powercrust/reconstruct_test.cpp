@@ -115,6 +115,18 @@ TEST(NoisyPowerCrust, DenoisesOnlyWhatIsNoisy)
     }
 }
 
+TEST(NoisyPowerCrust, KeepsBoresOfThreeSpacingsInNoise)
+{
+    const int bores = 9;
+    for (const unsigned seed : {1, 2, 3})
+    {
+        const Points points = shapes::with_noise(shapes::bored_plate(21, 3, 3, seed), 0.2, seed + 10);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        EXPECT_TRUE(crust.denoised);
+        EXPECT_EQ(checks::examine_mesh(crust.mesh).genus(), bores) << "seed " << seed;
+    }
+}
+
 TEST(NoisyPowerCrust, SharesBallsUnlessTheCrustHasToBeFine)
 {
     const auto balls_per_sample = [](const Points& points, bool smooth, bool simplify)
