@@ -15,8 +15,8 @@ struct ShortHandleOptions
     double highest_margin = 0.9; ///< Balls at or above this margin are never turned [-1..1].
     /// A handle goes if the evidence for the balls that close it times its ring is below this [samples x local scales].
     double largest_support = 220;
-    /// Unless that times the square of the agreement of the samples' normals is not below this: holes of two spacings
-    /// have no more evidence than what noise leaves, but the normals around them point into them.
+    /// Where normals agree with the balls, only if that times the square of the agreement is below this, too: holes of
+    /// two spacings have no more evidence than what noise leaves, but the normals around them point into them.
     double largest_agreement = 25;
     double longest_ring = 40; ///< Whatever its support, no longer one goes [local scales].
     /// Unless the evidence is below this share of the samples that spheres as large as its balls would carry [0..1]:
