@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <functional>
 #include <string>
 
 using recon::Point;
@@ -21,100 +20,19 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-/// Keeps a random order's points that are at least `spacing` from all kept ones: even samples without a lattice.
-class PoissonDisks
-{
-public:
-    PoissonDisks(double spacing, unsigned seed) : spacing_(spacing), random_(seed) {}
-    double uniform() { return shapes::uniform(random_); }
-    /// Draws from `draw` until `misses` draws in a row were too near.
-    void fill(const std::function<Point()>& draw, int tries, Points& points)
-    {
-        const std::size_t begin = points.size();
-        for (int i = 0; i < tries; ++i)
-        {
-            const Point p = draw();
-            bool is_free = true;
-            for (std::size_t k = begin; k < points.size() && is_free; ++k)
-                is_free = (points[k] - p).squaredNorm() > 0.64 * spacing_ * spacing_;
-            if (is_free)
-                points.push_back(p);
-        }
-    }
-
-private:
-    double spacing_;
-    shapes::Random random_;
-};
-
 struct Shape
 {
     Points points;
     int components, euler;
 };
 
-/// A plate of sides a x a x t around the origin, with holes of diameter d at the given centres, walls of the holes
-/// included.
-Shape plate(double a, double t, const Points& holes, double d, unsigned seed)
-{
-    PoissonDisks disks(1, seed);
-    Shape shape{{}, 1, 2 - 2 * int(holes.size())};
-    for (const double side : {-0.5, 0.5})
-    {
-        Points face;
-        disks.fill(
-            [&]
-            {
-                Point p;
-                bool in_hole = true;
-                while (in_hole)
-                {
-                    p = Point(a * (disks.uniform() - 0.5), a * (disks.uniform() - 0.5), side * t);
-                    in_hole = false;
-                    for (const Point& h : holes)
-                        in_hole |= (p - h).head<2>().norm() < 0.5 * d;
-                }
-                return p;
-            },
-            int(12 * a * a), face);
-        shape.points.insert(shape.points.end(), face.begin(), face.end());
-    }
-    Points rim;
-    disks.fill(
-        [&]
-        {
-            const int edge = int(4 * disks.uniform());
-            const double along = a * (disks.uniform() - 0.5), z = t * (disks.uniform() - 0.5),
-                         across = edge % 2 ? 0.5 * a : -0.5 * a;
-            return edge < 2 ? Point(across, along, z) : Point(along, across, z);
-        },
-        int(12 * 4 * a * std::max(t, 0.5)), rim);
-    for (const Point& h : holes)
-        disks.fill(
-            [&]
-            {
-                const double angle = 2 * pi * disks.uniform();
-                return Point(h.x() + 0.5 * d * std::cos(angle), h.y() + 0.5 * d * std::sin(angle),
-                             t * (disks.uniform() - 0.5));
-            },
-            int(12 * pi * d * std::max(t, 0.5)), rim);
-    shape.points.insert(shape.points.end(), rim.begin(), rim.end());
-    return shape;
-}
-
 Shape make(const std::string& name, double t, unsigned seed)
 {
     if (name == "sheet")
-        return plate(24, t, {}, 0, seed);
+        return {shapes::plate(24, t, {}, 0, seed), 1, 2};
     if (name == "hole")
-    {
-        Points holes;
-        for (int i = -1; i <= 1; ++i)
-            for (int j = -1; j <= 1; ++j)
-                holes.push_back(Point(9 * i, 9 * j, 0));
-        return plate(30, 3, holes, t, seed);
-    }
-    PoissonDisks disks(1, seed);
+        return {shapes::bored_plate(3, t, seed), 1, 2 - 2 * 9};
+    shapes::PoissonDisks disks(1, seed);
     const auto direction = [&]
     {
         const double z = 2 * disks.uniform() - 1, angle = 2 * pi * disks.uniform(), r = std::sqrt(1 - z * z);

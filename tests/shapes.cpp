@@ -159,50 +159,68 @@ Points with_noise(const Points& points, double sigma, std::uint64_t seed)
     return result;
 }
 
-Points bored_plate(double side, double thickness, double bore, std::uint64_t seed)
+void PoissonDisks::fill(const std::function<Point()>& draw, int tries, Points& points)
 {
-    constexpr int draws_per_sample = 20;
-    Random random(seed);
-    const auto centred = [&](double length) { return length * (uniform(random) - 0.5); };
-    const double faces = 2 * side * side, edges = 4 * side * thickness, walls = 9 * pi * bore * thickness;
-    const auto is_in_bore = [&](const Point& p)
+    const std::size_t begin = points.size();
+    for (int i = 0; i < tries; ++i)
     {
-        for (int i = -1; i <= 1; ++i)
-            for (int j = -1; j <= 1; ++j)
-                if (std::hypot(p.x() - i * side / 3, p.y() - j * side / 3) < bore / 2)
-                    return true;
-        return false;
-    };
-    Points points;
-    const auto add = [&](const Point& p)
-    {
-        if (std::none_of(points.begin(), points.end(), [&](const Point& q) { return (p - q).norm() < 0.8; }))
+        const Point p = draw();
+        bool is_free = true;
+        for (std::size_t k = begin; k < points.size() && is_free; ++k)
+            is_free = (points[k] - p).squaredNorm() > 0.64 * spacing_ * spacing_;
+        if (is_free)
             points.push_back(p);
-    };
-    for (int i = 0; i < draws_per_sample * (faces + edges + walls); ++i)
-    {
-        const double which = uniform(random) * (faces + edges + walls);
-        if (which < faces)
-        {
-            const Point p(centred(side), centred(side), (which < faces / 2 ? -0.5 : 0.5) * thickness);
-            if (!is_in_bore(p))
-                add(p);
-        }
-        else if (which < faces + edges)
-        {
-            const double across = (uniform(random) < 0.5 ? -0.5 : 0.5) * side, along = centred(side);
-            const bool is_x = uniform(random) < 0.5;
-            add({is_x ? across : along, is_x ? along : across, centred(thickness)});
-        }
-        else
-        {
-            const double angle = 2 * pi * uniform(random);
-            const int k = int(9 * uniform(random));
-            add({(k % 3 - 1) * side / 3 + bore / 2 * std::cos(angle),
-                 (k / 3 - 1) * side / 3 + bore / 2 * std::sin(angle), centred(thickness)});
-        }
     }
+}
+
+Points plate(double side, double thickness, const Points& bores, double diameter, std::uint64_t seed)
+{
+    PoissonDisks disks(1, seed);
+    Points points;
+    for (const double half : {-0.5, 0.5})
+        disks.fill(
+            [&]
+            {
+                Point p;
+                bool is_in_bore = true;
+                while (is_in_bore)
+                {
+                    p = Point(side * (disks.uniform() - 0.5), side * (disks.uniform() - 0.5), half * thickness);
+                    is_in_bore = false;
+                    for (const Point& bore : bores)
+                        is_in_bore |= (p - bore).head<2>().norm() < 0.5 * diameter;
+                }
+                return p;
+            },
+            int(12 * side * side), points);
+    disks.fill(
+        [&]
+        {
+            const int edge = int(4 * disks.uniform());
+            const double along = side * (disks.uniform() - 0.5), z = thickness * (disks.uniform() - 0.5),
+                         across = edge % 2 ? 0.5 * side : -0.5 * side;
+            return edge < 2 ? Point(across, along, z) : Point(along, across, z);
+        },
+        int(12 * 4 * side * std::max(thickness, 0.5)), points);
+    for (const Point& bore : bores)
+        disks.fill(
+            [&]
+            {
+                const double angle = 2 * pi * disks.uniform();
+                return Point(bore.x() + 0.5 * diameter * std::cos(angle), bore.y() + 0.5 * diameter * std::sin(angle),
+                             thickness * (disks.uniform() - 0.5));
+            },
+            int(12 * pi * diameter * std::max(thickness, 0.5)), points);
     return points;
+}
+
+Points bored_plate(double thickness, double diameter, std::uint64_t seed)
+{
+    Points bores;
+    for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j)
+            bores.push_back(Point(9 * i, 9 * j, 0));
+    return plate(30, thickness, bores, diameter, seed);
 }
 
 Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed)

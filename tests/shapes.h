@@ -14,6 +14,20 @@ using Random = std::mt19937_64;
 /// From 0 to below 1.
 double uniform(Random& random);
 
+/// Keeps a random order's points that are at least 0.8 spacings from all kept ones: even samples without a lattice.
+class PoissonDisks
+{
+public:
+    PoissonDisks(double spacing, std::uint64_t seed) : spacing_(spacing), random_(seed) {}
+    double uniform() { return shapes::uniform(random_); }
+    /// Appends what is free among `tries` points from `draw`; points that are there already do not count.
+    void fill(const std::function<recon::Point()>& draw, int tries, recon::Points& points);
+
+private:
+    double spacing_;
+    Random random_;
+};
+
 /// Area-uniform random points with outward normals.
 recon::OrientedSamples sphere(int n, double radius, std::uint64_t seed);
 /// What of it lies below `z`.
@@ -28,9 +42,11 @@ recon::OrientedSamples ellipsoid(int n, const recon::Vector& half_axes, std::uin
 recon::OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t seed);
 /// The two faces of a square plate of `side` spacings, one sample a unit of area, jittered within the faces.
 recon::Points thin_plate(int side, double thickness, std::uint64_t seed);
-/// A plate of `side` x `side` x `thickness` with 3 x 3 bores of diameter `bore` through it, their walls sampled as
-/// well: evenly, one sample a unit of area.
-recon::Points bored_plate(double side, double thickness, double bore, std::uint64_t seed);
+/// A plate of side x side x thickness around the origin, with bores of one diameter along z at `bores`, their walls
+/// included: PoissonDisks of spacing 1.
+recon::Points plate(double side, double thickness, const recon::Points& bores, double diameter, std::uint64_t seed);
+/// A plate of side 30 with 3 x 3 bores, 9 apart.
+recon::Points bored_plate(double thickness, double diameter, std::uint64_t seed);
 
 /// Floor and wall of a cup of radius 1 along z, whose rim at `height` goes up and down by `wave` three times around.
 recon::Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed);

@@ -12,6 +12,16 @@
 namespace recon
 {
 
+/// Calls f(neighbour) for each neighbour of a ball, some more than once.
+template <class F>
+void visit_neighbours(const Triangulation& regular, const CellsAtVertices& at, int ball, F&& f)
+{
+    for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
+        for (const int other : regular.cells[at.cell[k]].vertices)
+            if (other != ball && other != Triangulation::infinite)
+                f(other);
+}
+
 /// Joins neighbouring balls of one group. \param group_of of a ball: 0 or 1, negative for one that is joined to none.
 template <class GroupOf>
 DisjointSets join_neighbours(const Triangulation& regular, std::size_t balls, int threads, GroupOf&& group_of)

@@ -8,6 +8,9 @@
 namespace recon
 {
 
+/// Radius below which a ball may be noise [local scales].
+constexpr double small_below = 2;
+
 /// Margin below which a small ball is doubtful; at 0.8 thin tubes of clean clouds are cut through.
 constexpr double doubtful_below = 0.6;
 

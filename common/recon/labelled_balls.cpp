@@ -27,9 +27,6 @@ constexpr double certain = 1e3;
 /// Parts of the inside with fewer balls, in shares of the largest part, are noise.
 constexpr double island_share = 0.02;
 
-/// Radius below which a ball may be noise [local scales].
-constexpr double small_below = 2;
-
 /// Up to this share of violated votes shared balls gave the labels that all balls give. Where more are, walls are thin
 /// or handles small, and every ball counts. Projected samples violate some by what is left of the noise.
 constexpr double undisputed_votes = 0.001, undisputed_votes_with_normals = 0.003;
@@ -330,8 +327,8 @@ void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, con
                 balls.labels[v] = Side::outer;
                 graph.is_root[v] = 1;
             }
-    remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins,
-                         measure_outwardness(balls.kept, samples, normals),
+    const auto outwardness = [&](int ball) { return measure_outwardness(balls.kept, ball, samples, normals); };
+    remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins, outwardness,
                          options_for_handles(!normals.empty(), noise / balls.spacing, threads), balls.labels);
 }
 

@@ -222,24 +222,17 @@ PolarBalls keep_polar_balls(const Triangulation& delaunay, const Points& samples
     return result;
 }
 
-std::vector<double> measure_outwardness(const PolarBalls& balls, const Points& samples, const Vectors& normals)
+double measure_outwardness(const PolarBalls& balls, int ball, const Points& samples, const Vectors& normals)
 {
-    std::vector<double> result;
-    if (normals.empty())
-        return result;
-    for (std::size_t b = 0; b < balls.balls.size(); ++b)
-    {
-        double sum = 0;
-        int count = 0;
-        for (const int v : balls.touched[b])
-            if (v < int(normals.size()))
-            {
-                sum += normals[v].dot((balls.balls[b].centre - samples[v]).normalized());
-                ++count;
-            }
-        result.push_back(count > 0 ? sum / count : 0);
-    }
-    return result;
+    double sum = 0;
+    int count = 0;
+    for (const int v : balls.touched[ball])
+        if (v < int(normals.size()))
+        {
+            sum += normals[v].dot((balls.balls[ball].centre - samples[v]).normalized());
+            ++count;
+        }
+    return count > 0 ? sum / count : 0;
 }
 
 } // namespace recon

@@ -60,8 +60,8 @@ void append_box_corners(Points& samples);
 PolarBalls keep_polar_balls(const Triangulation& delaunay, const Points& samples, const Poles& poles,
                             const std::function<bool(double radius, const std::array<int, 4>& touched)>& keep);
 
-/// Per ball how far the normals of the samples on its boundary point at its centre: the mean cosine, 1 = outside,
-/// -1 = inside, 0 = no normals. Empty if there are none at all. \param normals of the first samples, of unit length.
-std::vector<double> measure_outwardness(const PolarBalls& balls, const Points& samples, const Vectors& normals);
+/// How far the normals of the samples on a ball's boundary point at its centre: the mean cosine, 1 = outside,
+/// -1 = inside, 0 = no normals. \param normals of the first samples, of unit length; may be empty.
+double measure_outwardness(const PolarBalls& balls, int ball, const Points& samples, const Vectors& normals);
 
 } // namespace recon

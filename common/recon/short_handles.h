@@ -4,6 +4,7 @@
 #include <recon/signed_graph.h>
 #include <recon/triangulation.h>
 
+#include <functional>
 #include <vector>
 
 namespace recon
@@ -33,11 +34,11 @@ struct ShortHandleOptions
 /// length of the ring that it closes, is small. Measured with normals: real holes 378 and more, what is left of noise
 /// mostly below 200; on clean coarse clouds real holes 50. Components are neither joined nor parted.
 /// \param scale per ball: local scale of the samples [length]. \param margins per ball, see measure_margins().
-/// \param outwardness per ball, see measure_outwardness(); empty where there are no normals.
+/// \param outwardness of a ball, see measure_outwardness().
 /// \returns the number of balls turned.
 int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
                          const std::vector<double>& scale, const std::vector<double>& margins,
-                         const std::vector<double>& outwardness, const ShortHandleOptions& options,
+                         const std::function<double(int ball)>& outwardness, const ShortHandleOptions& options,
                          std::vector<Side>& labels);
 
 /// Euler characteristic of the surface between the sides. \pre every ball on the hull is outer.

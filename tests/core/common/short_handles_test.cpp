@@ -26,7 +26,8 @@ struct PlantedTunnel
     std::vector<Side> labels;
     Triangulation regular;
     SignedGraph graph;
-    std::vector<double> scale, outwardness;
+    std::vector<double> scale;
+    double agreement = 0; ///< Of the normals with every ball's planted side [-1..1].
 
     static int index(int x, int y, int z) { return (x * (steps + 1) + y) * (steps + 1) + z; }
     static bool is_tunnel(int x, int y) { return x == 7 && (y == 7 || y == 8); }
@@ -74,6 +75,8 @@ struct PlantedTunnel
     }
     int remove(const ShortHandleOptions& options)
     {
+        const auto outwardness = [&, planted = labels](int ball)
+        { return planted[ball] == Side::outer ? agreement : -agreement; };
         return remove_short_handles(regular, graph, balls, scale, measure_margins(graph, labels), outwardness, options,
                                     labels);
     }
@@ -134,8 +137,7 @@ TEST(ShortHandles, LeavesWhatNormalsAgreeWith)
     for (const double agreement : {0.9, 0.2, -0.9})
     {
         PlantedTunnel planted(0.45);
-        for (const Side side : planted.labels)
-            planted.outwardness.push_back(side == Side::outer ? agreement : -agreement);
+        planted.agreement = agreement;
         EXPECT_EQ(planted.remove({}) > 0, agreement < 0.5) << agreement;
         EXPECT_EQ(planted.report().genus(), agreement < 0.5 ? 0 : 1) << agreement;
     }

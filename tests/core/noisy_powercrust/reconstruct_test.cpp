@@ -117,14 +117,19 @@ TEST(NoisyPowerCrust, DenoisesOnlyWhatIsNoisy)
 
 TEST(NoisyPowerCrust, KeepsBoresOfThreeSpacingsInNoise)
 {
-    const int bores = 9;
+    int open = 0;
     for (const unsigned seed : {1, 2, 3})
     {
-        const Points points = shapes::with_noise(shapes::bored_plate(21, 3, 3, seed), 0.2, seed + 10);
+        const Points points = shapes::with_noise(shapes::bored_plate(3, 3, seed), 0.3, seed + 10);
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
         EXPECT_TRUE(crust.denoised);
-        EXPECT_EQ(checks::examine_mesh(crust.mesh).genus(), bores) << "seed " << seed;
+        const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+        EXPECT_EQ(report.components, 1);
+        open += report.genus();
     }
+    // Of 27; without normals in the say on short handles 12.
+    EXPECT_GE(open, 20);
+    EXPECT_LE(open, 27);
 }
 
 TEST(NoisyPowerCrust, SharesBallsUnlessTheCrustHasToBeFine)
