@@ -401,9 +401,10 @@ int main(int argc, char** argv)
         {
             const Points cloud = noisy_cloud(model, std::atof(sigma.c_str()), seed);
             recon::AmlsReconstructionOptions options;
-            options.threads = 1;
+            recon::AmlsOptions surface_options;
+            options.threads = surface_options.threads = 1;
             double begin = cpu_seconds();
-            const recon::AmlsSurface surface = recon::build_amls_surface(cloud, options);
+            const recon::AmlsSurface surface = recon::build_amls_surface(cloud, surface_options);
             const recon::SurfaceSamples sampled = recon::sample_amls_surface(cloud, surface, 1);
             const double shared = cpu_seconds() - begin; // what all three begin with
             const auto run = [&](const char* mesher, double before, auto&& make)

@@ -4,6 +4,8 @@
 #include "local_feature_size.h"
 #include "project.h"
 
+#include <meshlab/shared_parameters.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -45,9 +47,8 @@ plugin::ParameterTable<Options> ball_table()
                 "points (the paper's c = 2.5). 0: 2.5, but above the noise.")
         .count("neighbours", &Options::neighbours, "Neighbours",
                "Method 'paper' only: number of nearest points of that mean distance. 0: 5, as in the paper.")
-        .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
-        .count("threads", &Options::threads, "Threads",
-               "Number of threads, 0: one per core. The result does not depend on it.");
+        .flag("selected_only", &Options::selected_only, "Selected vertices only", plugin::tooltips::selected_only)
+        .count("threads", &Options::threads, "Threads", plugin::tooltips::threads);
 }
 
 recon::DelaunayBallOptions paper_options(const BallOptions& options)

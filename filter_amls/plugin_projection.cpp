@@ -5,6 +5,8 @@
 #include "plain_mls.h"
 #include "project.h"
 
+#include <meshlab/shared_parameters.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -89,8 +91,7 @@ plugin::ParameterTable<ProjectionFilterOptions> projection_table()
         .flag("selected_only", &Options::selected_only, "Selected vertices only",
               "Move only the selected vertices; the surface is defined by all.")
         .count(
-            "threads", [](Options& o) -> int& { return o.surface.threads; }, "Threads",
-            "Number of threads, 0: one per core. The result does not depend on it.");
+            "threads", [](Options& o) -> int& { return o.surface.threads; }, "Threads", plugin::tooltips::threads);
 }
 
 /// What both kinds of projection tell.

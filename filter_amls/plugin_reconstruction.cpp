@@ -2,6 +2,8 @@
 
 #include "reconstruct_amls.h"
 
+#include <meshlab/shared_parameters.h>
+
 namespace
 {
 
@@ -16,22 +18,17 @@ plugin::ParameterTable<ReconstructionFilterOptions> reconstruction_table()
 {
     using Options = ReconstructionFilterOptions;
     return plugin::ParameterTable<Options>()
-        .flag("open_holes", &Options::open_holes, "Leave holes open",
-              "Leave holes and open ends of the scan open: what lies farther than two local spacings from every point "
-              "is dropped, where it reaches three. Off: the surface is closed.")
+        .flag("open_holes", &Options::open_holes, "Leave holes open", plugin::tooltips::open_holes)
         .number("rho_e", &Options::rho_e, "Width (rho_e)",
                 "Width of the Gaussian weights in local feature sizes (the paper uses 0.75). 0: automatic, from noise, "
                 "spacing and curvature.")
         .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
         .choice("keep_components", &Options::keep_components, {"largest", "all", "automatic"}, "Keep components",
-                "Automatic: stray shells are dropped, that is thin or small bodies and hollows that hold less than a "
-                "twentieth as many samples as the one that holds most. Largest: only the component that encloses the "
-                "largest volume is kept.")
+                plugin::tooltips::keep_components)
         .flag("simplify", &Options::simplify, "Simplify",
               "Collapse short edges, to about one vertex per sample. The topology stays.")
-        .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
-        .count("threads", &Options::threads, "Threads",
-               "Number of threads, 0: one per core. The result does not depend on it.");
+        .flag("selected_only", &Options::selected_only, "Selected vertices only", plugin::tooltips::selected_only)
+        .count("threads", &Options::threads, "Threads", plugin::tooltips::threads);
 }
 
 plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const ReconstructionFilterOptions& options,

@@ -189,8 +189,11 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     AmlsReconstruction result;
     PhaseTimes times;
     times.begin("surface");
-    AmlsOptions surface_options = options;
-    surface_options.terrain_faces_up = false;
+    AmlsOptions surface_options;
+    surface_options.rho_e = options.rho_e;
+    surface_options.noise = options.noise;
+    surface_options.threads = options.threads;
+    surface_options.terrain_faces_up = false; // see there
     const AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.3, "AMLS surface"));
     result.surface = surface.report();
 

@@ -14,8 +14,11 @@ namespace recon
 {
 
 /// Options of reconstruct_amls(). Lengths are in input units.
-struct AmlsReconstructionOptions : AmlsOptions
+struct AmlsReconstructionOptions
 {
+    double rho_e = AmlsOptions().rho_e; ///< See AmlsOptions, these three.
+    double noise = AmlsOptions().noise;
+    int threads = AmlsOptions().threads;
     KeepComponents keep_components = KeepComponents::automatic;
     bool simplify = true;    ///< Collapse short edges, to about one vertex per sample.
     bool open_holes = false; ///< Drop what closes holes and open ends of the scan, told by the spacing, see trim.h.

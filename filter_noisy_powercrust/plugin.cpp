@@ -2,6 +2,7 @@
 #include "reconstruct.h"
 
 #include <meshlab/filter_spec.h>
+#include <meshlab/shared_parameters.h>
 
 namespace
 {
@@ -14,30 +15,22 @@ struct Options : recon::NoisyPowerCrustOptions
 plugin::ParameterTable<Options> table()
 {
     return plugin::ParameterTable<Options>()
-        .flag("open_holes", &Options::open_holes, "Leave holes open",
-              "Leave holes and open ends of the scan open: what lies farther than two local spacings from every point "
-              "is dropped, where it reaches three. Off: the surface is closed.")
+        .flag("open_holes", &Options::open_holes, "Leave holes open", plugin::tooltips::open_holes)
         .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
                 "Polar balls smaller than this are dropped. It should lie above the noise and below the thinnest part "
-                "of the "
-                "shape. 0: chosen automatically and locally.")
+                "of the shape. 0: chosen automatically and locally.")
         .length("noise", &Options::noise, "Noise",
                 "Standard deviation of the noise of the points. The local scale follows from it and from the spacing "
-                "of the "
-                "points. 0: estimated from the points.")
+                "of the points. 0: estimated from the points.")
         .number("deep_intersection", &Options::deep_intersection, "Deep intersection",
                 "Above 0: neighbouring balls whose intersection is deeper than this (0..1) are put on one side of the "
                 "surface, as in the paper. 0: intersections are weighed by the samples around them.")
         .choice("keep_components", &Options::keep_components, {"largest", "all", "automatic"}, "Keep components",
-                "Automatic: stray shells are dropped, that is thin or small bodies and hollows that hold less than a "
-                "twentieth as many samples as the one that holds most. Largest: only the component that encloses the "
-                "largest volume is kept.")
+                plugin::tooltips::keep_components)
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
                 "On: the points are projected onto a smooth surface (AMLS) and thinned before the crust is made; "
-                "outliers are "
-                "left out. Off: the power crust of the points as they are. Automatic: on where the noise is not far "
-                "below the "
-                "spacing of the points.")
+                "outliers are left out. Off: the power crust of the points as they are. Automatic: on where the noise "
+                "is not far below the spacing of the points.")
         .flag("smooth", &Options::smooth, "Smooth",
               "Vertices of a noisy cloud's crust move onto its smooth surface, and edges follow creases; clean clouds "
               "are not smoothed. What closes holes of the scan is drawn taut. The topology stays.")
@@ -46,9 +39,8 @@ plugin::ParameterTable<Options> table()
               "edges along creases, if the cloud is clean. The topology stays.")
         .length("trim_length", &Options::trim_length, "Trim",
                 "Instead drop all triangles that are farther than this from every point. 0: do not.")
-        .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
-        .count("threads", &Options::threads, "Threads",
-               "Number of threads, 0: one per core. The result does not depend on it.");
+        .flag("selected_only", &Options::selected_only, "Selected vertices only", plugin::tooltips::selected_only)
+        .count("threads", &Options::threads, "Threads", plugin::tooltips::threads);
 }
 
 plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options& options,
@@ -101,19 +93,16 @@ plugin::ParameterTable<MedialAxisFilterOptions> medial_axis_table()
         .length("ball_threshold", &Options::ball_threshold, "Smallest ball",
                 "Polar balls smaller than this are dropped. 0: chosen automatically and locally.")
         .number("object_angle", &Options::object_angle, "Object angle",
-                "Balls whose points all lie within this angle (degrees, seen from the ball's centre) are dropped: they "
-                "come from "
-                "noise and small bumps. Raise it for a simpler medial axis.")
+                "Balls whose points all lie within this angle (degrees, seen from the ball's centre) are dropped: "
+                "they come from noise and small bumps. Raise it for a simpler medial axis.")
         .number("redundancy", &Options::redundancy, "Redundancy",
                 "Balls that a larger one covers up to this share of their radius (0..1) are dropped. 0: keep all.")
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
                 "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on where the "
-                "noise is "
-                "not far below the spacing of the points.")
+                "noise is not far below the spacing of the points.")
         .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
-        .flag("selected_only", &Options::selected_only, "Selected vertices only", "Use only the selected vertices.")
-        .count("threads", &Options::threads, "Threads",
-               "Number of threads, 0: one per core. The result does not depend on it.");
+        .flag("selected_only", &Options::selected_only, "Selected vertices only", plugin::tooltips::selected_only)
+        .count("threads", &Options::threads, "Threads", plugin::tooltips::threads);
 }
 
 plugin::FilterResult make_medial_axis(const plugin::InputLayer& layer, const MedialAxisFilterOptions& options,
@@ -159,16 +148,12 @@ plugin::PluginSpec plugin::describe_plugin()
     filter.python_name = "generate_surface_reconstruction_noisy_power_crust";
     filter.info =
         "Makes a <b>closed surface</b> from points that are <b>noisy</b> and have <b>no normals</b>. The surface is "
-        "the "
-        "boundary between the power cells of polar balls inside and outside of the shape; balls that the noise has "
-        "made are "
-        "dropped, and the samples vote which of the others are inside. The result is a closed, outward oriented "
-        "2-manifold: "
-        "holes of the scan are closed. The noise, the spacing and the smallest ball are estimated from the points.<br>"
-        "Colour and quality are taken from the nearest point.<br><br>"
-        "See:<br><i>B. Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br>"
-        "<b>\"Surface Reconstruction from Noisy Point Clouds\"</b><br>"
-        "Eurographics Symposium on Geometry Processing 2005.<br>";
+        "the boundary between the power cells of polar balls inside and outside of the shape; balls that the noise "
+        "has made are dropped, and the samples vote which of the others are inside. The result is a closed, outward "
+        "oriented 2-manifold: holes of the scan are closed. The noise, the spacing and the smallest ball are "
+        "estimated from the points.<br>Colour and quality are taken from the nearest point.<br><br>See:<br><i>B. "
+        "Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br><b>\"Surface Reconstruction from Noisy Point "
+        "Clouds\"</b><br>Eurographics Symposium on Geometry Processing 2005.<br>";
     filter.category = Category::remeshing | Category::point_set;
     filter.effects = Effect::makes_layer;
     filter.compute_with(table(), reconstruct);
@@ -178,16 +163,11 @@ plugin::PluginSpec plugin::describe_plugin()
     medial_axis.python_name = "generate_medial_axis_power_shape";
     medial_axis.info =
         "Approximates the <b>medial axis</b> of the shape that the points bound: a layer whose vertices are the "
-        "centres of polar "
-        "balls, with the balls' <b>radii</b> as vertex radius and quality, joined by the edges and triangles of their "
-        "regular "
-        "triangulation. No normals are needed, and the points may be <b>noisy</b>. The volume of the union of the "
-        "inner balls is "
-        "among the results.<br><br>"
-        "See:<br><i>N. Amenta, S. Choi, R. K. Kolluri</i><br><b>\"The Power Crust\"</b><br>ACM Symposium on Solid "
-        "Modeling and "
-        "Applications 2001.<br>"
-        "<i>B. Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br><b>\"Surface Reconstruction from Noisy Point "
+        "centres of polar balls, with the balls' <b>radii</b> as vertex radius and quality, joined by the edges and "
+        "triangles of their regular triangulation. No normals are needed, and the points may be <b>noisy</b>. The "
+        "volume of the union of the inner balls is among the results.<br><br>See:<br><i>N. Amenta, S. Choi, R. K. "
+        "Kolluri</i><br><b>\"The Power Crust\"</b><br>ACM Symposium on Solid Modeling and Applications 2001.<br><i>B. "
+        "Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br><b>\"Surface Reconstruction from Noisy Point "
         "Clouds\"</b><br>Eurographics Symposium on Geometry Processing 2005.<br>";
     medial_axis.category = Category::remeshing | Category::point_set;
     medial_axis.effects = Effect::makes_layer;

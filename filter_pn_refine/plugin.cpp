@@ -4,6 +4,7 @@
 #include <filter_amls/surface.h>
 
 #include <meshlab/filter_spec.h>
+#include <meshlab/shared_parameters.h>
 
 #include <recon/errors.h>
 
@@ -62,8 +63,7 @@ plugin::ParameterTable<Options> table()
         .flag("into_new_layer", &Options::into_new_layer, "Into new layer",
               "The refined point set, without faces, becomes a new layer. Off: the new vertices are appended to the "
               "current layer, whose faces stay as they are.")
-        .count("threads", &Options::threads, "Threads",
-               "Number of threads, 0: one per core. The result does not depend on it.");
+        .count("threads", &Options::threads, "Threads", plugin::tooltips::threads);
 }
 
 bool has_normals(const plugin::InputLayer& layer)
