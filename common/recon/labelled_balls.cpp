@@ -10,9 +10,11 @@
 #include <recon/short_handles.h>
 #include <recon/signed_labelling.h>
 #include <recon/single_moves.h>
+#include <recon/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -81,6 +83,18 @@ std::vector<TerminalTie> tie_to_normals(const PolarBalls& kept, const Points& sa
     return ties;
 }
 
+/// All indices along the curve of order_spatially(), those of equal points side by side: polar balls come in the order
+/// of their samples, and across a hollow their centres are not in order.
+std::vector<int> sort_spatially(const Points& points)
+{
+    const SpatialOrder spatial = order_spatially(points);
+    std::vector<int> sorted(points.size());
+    std::iota(sorted.begin(), sorted.end(), 0);
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [&](int a, int b) { return spatial.representative[a] < spatial.representative[b]; });
+    return sorted;
+}
+
 /// Distance of centres and difference of radii up to which large balls are alike [local scales], and the radius from
 /// which they are large: those inside thin walls differ by less and all matter.
 constexpr double like_within = 0.1, like_from_radius = 4;
@@ -98,14 +112,18 @@ std::vector<std::array<int, 2>> pair_like_balls(const PolarBalls& polar, const s
             large.push_back(b);
             centres.push_back(polar.balls[b].centre);
         }
-    const BlockSearch search(centres);
+    const std::vector<int> sorted = sort_spatially(centres);
+    const BlockSearch search(points_at(sorted, centres));
     std::vector<char> has_like(large.size(), 0);
     constexpr std::size_t grain = 4096;
     parallel_chunks(large.size(), threads, grain, {},
                     [&](std::size_t begin, std::size_t end)
                     {
-                        for (std::size_t k = begin; k < end; ++k)
+                        for (std::size_t i = begin; i < end; ++i)
+                        {
+                            const int k = sorted[i];
                             has_like[k] = search.has_within(centres[k], like_within * scale[large[k]], 2);
+                        }
                     });
     std::vector<std::array<int, 2>> pairs;
     std::vector<int> around;
@@ -116,6 +134,9 @@ std::vector<std::array<int, 2>> pair_like_balls(const PolarBalls& polar, const s
         const int b = large[k];
         const double reach = like_within * scale[b];
         search.within(centres[k], reach, around);
+        for (int& near : around)
+            near = sorted[near];
+        std::sort(around.begin(), around.end());
         for (const int near : around)
             if (const int other = large[near];
                 near != k && has_like[near] && std::abs(polar.balls[other].radius - polar.balls[b].radius) <= reach)
