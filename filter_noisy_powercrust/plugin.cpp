@@ -7,6 +7,10 @@
 namespace
 {
 
+constexpr char sgp_2005[] = "<i>B. Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br>"
+                            "<b>\"Surface Reconstruction from Noisy Point Clouds\"</b><br>"
+                            "Eurographics Symposium on Geometry Processing 2005.<br>";
+
 struct Options : recon::NoisyPowerCrustOptions
 {
     bool selected_only = false;
@@ -151,9 +155,8 @@ plugin::PluginSpec plugin::describe_plugin()
         "the boundary between the power cells of polar balls inside and outside of the shape; balls that the noise "
         "has made are dropped, and the samples vote which of the others are inside. The result is a closed, outward "
         "oriented 2-manifold: holes of the scan are closed. The noise, the spacing and the smallest ball are "
-        "estimated from the points.<br>Colour and quality are taken from the nearest point.<br><br>See:<br><i>B. "
-        "Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br><b>\"Surface Reconstruction from Noisy Point "
-        "Clouds\"</b><br>Eurographics Symposium on Geometry Processing 2005.<br>";
+        "estimated from the points.<br>Colour and quality are taken from the nearest point.<br><br>See:<br>" +
+        std::string(sgp_2005);
     filter.category = Category::remeshing | Category::point_set;
     filter.effects = Effect::makes_layer;
     filter.compute_with(table(), reconstruct);
@@ -165,10 +168,10 @@ plugin::PluginSpec plugin::describe_plugin()
         "Approximates the <b>medial axis</b> of the shape that the points bound: a layer whose vertices are the "
         "centres of polar balls, with the balls' <b>radii</b> as vertex radius and quality, joined by the edges and "
         "triangles of their regular triangulation. No normals are needed, and the points may be <b>noisy</b>. The "
-        "volume of the union of the inner balls is among the results.<br><br>See:<br><i>N. Amenta, S. Choi, R. K. "
-        "Kolluri</i><br><b>\"The Power Crust\"</b><br>ACM Symposium on Solid Modeling and Applications 2001.<br><i>B. "
-        "Mederos, N. Amenta, L. Velho, L. H. de Figueiredo</i><br><b>\"Surface Reconstruction from Noisy Point "
-        "Clouds\"</b><br>Eurographics Symposium on Geometry Processing 2005.<br>";
+        "volume of the union of the inner balls is among the results.<br><br>"
+        "See:<br><i>N. Amenta, S. Choi, R. K. Kolluri</i><br><b>\"The Power Crust\"</b><br>"
+        "ACM Symposium on Solid Modeling and Applications 2001.<br>" +
+        std::string(sgp_2005);
     medial_axis.category = Category::remeshing | Category::point_set;
     medial_axis.effects = Effect::makes_layer;
     medial_axis.compute_with(medial_axis_table(), make_medial_axis);

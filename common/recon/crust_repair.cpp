@@ -39,22 +39,22 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
                 return false;
             next.clear();
             for (const int ball : frontier[i])
-                for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
-                    for (const int other : regular.cells[at.cell[k]].vertices)
-                    {
-                        if (other == excluded || other == Triangulation::infinite || labels[other] != side)
-                            continue;
-                        const auto inserted = region.emplace(other, i);
-                        if (inserted.second)
-                            next.push_back(other);
-                        else if (const int met = merged.find(inserted.first->second); merged.join(met, i))
-                        {
-                            // The merged region goes on from both frontiers.
-                            next.insert(next.end(), frontier[met].begin(), frontier[met].end());
-                            frontier[met].clear();
-                            --separate;
-                        }
-                    }
+                visit_neighbours(regular, at, ball,
+                                 [&](int other)
+                                 {
+                                     if (other == excluded || labels[other] != side)
+                                         return;
+                                     const auto [place, is_new] = region.emplace(other, i);
+                                     if (is_new)
+                                         next.push_back(other);
+                                     else if (const int met = merged.find(place->second); merged.join(met, i))
+                                     {
+                                         // The merged region goes on from both frontiers.
+                                         next.insert(next.end(), frontier[met].begin(), frontier[met].end());
+                                         frontier[met].clear();
+                                         --separate;
+                                     }
+                                 });
             frontier[i].clear();
             frontier[merged.find(i)].swap(next);
         }
@@ -148,23 +148,23 @@ void spare_bridges(const Triangulation& regular, const std::vector<Side>& labels
     {
         const int ball = -queue.top().second;
         queue.pop();
-        for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
-            for (const int other : regular.cells[at.cell[k]].vertices)
-            {
-                if (other == Triangulation::infinite || labels[other] != Side::inner || is_met[other])
-                    continue;
-                const int part = parts.find(other);
-                if (is_doubtful[other])
-                    meet(other, ball, margins[other]);
-                else if (waits[part])
-                {
-                    waits[part] = 0;
-                    --waiting;
-                    for (int bridge = ball; bridge >= 0; bridge = from[bridge])
-                        is_doubtful[bridge] = 0;
-                    meet_part(part);
-                }
-            }
+        visit_neighbours(regular, at, ball,
+                         [&](int other)
+                         {
+                             if (labels[other] != Side::inner || is_met[other])
+                                 return;
+                             const int part = parts.find(other);
+                             if (is_doubtful[other])
+                                 meet(other, ball, margins[other]);
+                             else if (waits[part])
+                             {
+                                 waits[part] = 0;
+                                 --waiting;
+                                 for (int bridge = ball; bridge >= 0; bridge = from[bridge])
+                                     is_doubtful[bridge] = 0;
+                                 meet_part(part);
+                             }
+                         });
     }
     doubtful.erase(std::remove_if(doubtful.begin(), doubtful.end(), [&](int ball) { return !is_doubtful[ball]; }),
                    doubtful.end());
@@ -191,9 +191,7 @@ int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, 
         {
             const Side side = labels[ball];
             bool on_interface = false;
-            for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
-                for (const int other : regular.cells[at.cell[k]].vertices)
-                    on_interface |= other != Triangulation::infinite && labels[other] != side;
+            visit_neighbours(regular, at, ball, [&](int other) { on_interface |= labels[other] != side; });
             if (!on_interface)
                 continue;
             link.build(regular, at, ball, labels);
