@@ -36,8 +36,9 @@ plugin::ParameterTable<Options> table()
                 "outliers are left out. Off: the power crust of the points as they are. Automatic: on where the noise "
                 "is not far below the spacing of the points.")
         .flag("smooth", &Options::smooth, "Smooth",
-              "Vertices of a noisy cloud's crust move onto its smooth surface, and edges follow creases; clean clouds "
-              "are not smoothed. What closes holes of the scan is drawn taut. The topology stays.")
+              "Vertices of a noisy cloud's crust move onto its smooth surface, and where the points show a sharp edge "
+              "onto the two faces that meet there; clean clouds are not smoothed. What closes holes of the scan is "
+              "drawn taut. The topology stays.")
         .flag("simplify", &Options::simplify, "Simplify",
               "Collapse short edges, to about one vertex per point that the crust was made of: at the point, with "
               "edges along creases, if the cloud is clean. The topology stays.")
@@ -64,6 +65,7 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options&
         {"denoised", crust.denoised},
         {"samples", crust.samples},
         {"completed", crust.completed},
+        {"edge_vertices", crust.edge_vertices},
         {"outliers", crust.outliers},
         {"cleanness", crust.cleanness},
         {"violated_votes", crust.violated_votes},

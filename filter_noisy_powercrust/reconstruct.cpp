@@ -2,6 +2,7 @@
 
 #include "filter_amls/smooth_mesh.h"
 #include "label_cloud.h"
+#include "sharp_edges.h"
 
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
@@ -129,6 +130,12 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         frame.from_unit_in_place(mesh.vertices);
         smooth_mesh(mesh, *cloud.surface, options.threads, progress.part(0.9, 0.95, "smoothing"));
         mesh.vertices = frame.to_unit(mesh.vertices);
+    }
+    if (options.smooth && cloud.denoised && through_samples)
+    {
+        times.begin("edges");
+        result.edge_vertices = restore_sharp_edges(mesh, points_at(cloud.claimed, cloud.distinct), labelling.threads,
+                                                   progress.part(0.9, 0.95, "sharp edges"));
     }
     if (options.smooth)
     {

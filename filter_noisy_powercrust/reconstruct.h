@@ -21,8 +21,8 @@ struct NoisyPowerCrustOptions
     double deep_intersection = 0; ///< Cosine above which neighbouring balls agree, 0..1. 0 = weighed in samples.
     KeepComponents keep_components = KeepComponents::automatic;
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
-    bool smooth = true;   ///< The crust passes through denoised samples; other vertices of a noisy cloud's crust move
-                          ///< onto its AMLS surface. Where there are no samples it is drawn taut.
+    bool smooth = true;   ///< The crust passes through denoised samples and gets its sharp edges back; other vertices
+                          ///< of a noisy cloud's crust move onto its AMLS surface. Bare parts are drawn taut.
     bool simplify = true; ///< Collapse short edges, to about one vertex per sample, of a clean cloud at the sample.
     bool open_holes = false; ///< Drop what closes holes and open ends of the scan, told by the spacing, see trim.h.
     double trim_length = 0;  ///< Instead drop triangles farther than this from every point [length], >= 0. 0 = do not.
@@ -42,6 +42,7 @@ struct NoisyPowerCrust
     bool denoised = false;    ///< Whether the samples were projected and thinned first.
     int samples = 0; ///< Samples the crust was made of: points_used, or fewer after thinning, and `completed` [count].
     int completed = 0;         ///< Samples put on flat faces that had none but on their rims [count].
+    int edge_vertices = 0;     ///< Vertices moved beside sharp edges, see sharp_edges.h [count].
     int outliers = 0;          ///< Points far from any surface, left out when denoising [count].
     int balls_kept = 0;        ///< [count]
     double violated_votes = 0; ///< Share of the samples' vote weight that the labels contradict [0..1].

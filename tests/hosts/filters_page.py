@@ -72,6 +72,7 @@ VALUES = {
         "spacing": "median local spacing of the samples (length)",
         "points_used": "distinct input points", "denoised": "whether the points were projected and thinned first",
         "samples": "points that the crust was made of", "completed": "of these, put on flat faces that had none but on their rims",
+        "edge_vertices": "vertices of the crust moved onto the two faces of a sharp edge",
         "smallest_ball": "radius of the smallest polar ball kept (length)", "balls_kept": "polar balls kept",
         "cleanness": "share of samples that look free of noise; below 0.7 the noise is looked at more closely",
         "boundary_loops": "rims, 0 unless opened or trimmed",
