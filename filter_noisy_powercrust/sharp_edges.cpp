@@ -8,6 +8,7 @@
 #include <recon/nearest_samples.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
+#include <recon/triangle_cuts.h>
 
 #include <Eigen/Geometry>
 
@@ -239,8 +240,29 @@ private:
         return result;
     }
 
-    int move_to(const Points& places)
+    /// Takes back what would leave triangles that cut others.
+    void avoid_cuts(Points& places) const
     {
+        std::vector<char> may_move(mesh_.vertices.size(), 0);
+        Points moved = mesh_.vertices;
+        for (std::size_t v = 0; v < places.size(); ++v)
+        {
+            may_move[vertex_[v]] = places[v] != surface_.vertices[v];
+            moved[vertex_[v]] = places[v];
+        }
+        const TriangleCuts cuts(mesh_, may_move, threads_);
+        const std::vector<int> found = cuts.count(moved);
+        for (std::size_t i = 0; i < found.size(); ++i)
+            if (found[i] > 0)
+                for (const int v : mesh_.triangles[cuts.moving()[i]])
+                    moved[v] = mesh_.vertices[v];
+        for (std::size_t v = 0; v < places.size(); ++v)
+            places[v] = moved[vertex_[v]];
+    }
+
+    int move_to(Points places)
+    {
+        avoid_cuts(places);
         std::vector<std::size_t> waiting;
         for (std::size_t v = 0; v < places.size(); ++v)
             if (places[v] != surface_.vertices[v])
