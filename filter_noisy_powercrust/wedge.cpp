@@ -22,6 +22,8 @@ constexpr int least_vertices = 4, least_points = 8; // of a face
 constexpr double judged_within = 1.2, widely_judged_within = 2; // reaches
 constexpr double noise_within = 2 * judged_within;
 constexpr double capped_square = 9; // of a residual [sigma^2]: farther points are of something else
+/// Of a wedge [sigma^2]: noise leaves about 1; what has details beside the edge leaves more.
+constexpr double worst_misfit = 2.1;
 /// Of a coefficient [sigma^2]. Akaike's is 2; more, since choosing among windows fits, too.
 constexpr double price = 3;
 constexpr int most_points = 250; // of a fit, an even choice
@@ -91,7 +93,9 @@ std::optional<JudgedWedge> WedgeFitter::fit(int vertex)
         if (const auto wedge = fit_in(window))
         {
             const int coefficients = 2 * (window.is_flat ? flat_coefficients : sheet_coefficients);
-            const double gain = rival - misfit(*wedge, coefficients, fitted_.size());
+            const double left = misfit(*wedge, coefficients, fitted_.size()), gain = rival - left;
+            if (left > worst_misfit)
+                continue;
             if (!best || gain > best->gain)
                 best = {*wedge, gain, 0};
         }
