@@ -131,7 +131,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
         smooth_mesh(mesh, *cloud.surface, options.threads, progress.part(0.9, 0.95, "smoothing"));
         mesh.vertices = frame.to_unit(mesh.vertices);
     }
-    if (options.smooth && cloud.denoised && through_samples)
+    if (cloud.denoised && through_samples)
     {
         times.begin("edges");
         result.edge_vertices = restore_sharp_edges(mesh, points_at(cloud.claimed, cloud.distinct), labelling.threads,

@@ -1,5 +1,6 @@
 #include "sharp_edges.h"
 
+#include "keep_apart.h"
 #include "wedge.h"
 
 #include <recon/flip_edges.h>
@@ -85,7 +86,7 @@ class EdgeRestorer
 {
 public:
     EdgeRestorer(TriangleMesh& mesh, const Points& points, int threads)
-        : mesh_(mesh), surface_{{}, {}, {}, {}, points, {}, {}, {}}, threads_(threads)
+        : mesh_(mesh), surface_(points), threads_(threads)
     {
         const Vectors normals = list_vertex_normals(mesh);
         const std::vector<double> reach = measure_reach(mesh);
@@ -134,16 +135,17 @@ private:
 
     std::vector<int> choose_landmarks(const std::vector<char>& turns) const
     {
-        std::vector<char> is_near(surface_.vertices.size(), 0);
-        std::vector<int> result, around;
-        for (std::size_t v = 0; v < is_near.size(); ++v)
-            if (turns[v] && !is_near[v])
+        std::vector<int> turning;
+        std::vector<double> radii;
+        for (std::size_t v = 0; v < turns.size(); ++v)
+            if (turns[v])
             {
-                result.push_back(int(v));
-                surface_.vertex_search.within(surface_.vertices[v], landmark_spacing * surface_.reach[v], around);
-                for (const int w : around)
-                    is_near[w] = 1;
+                turning.push_back(int(v));
+                radii.push_back(landmark_spacing * surface_.reach[v]);
             }
+        std::vector<int> result = keep_apart(points_at(turning, surface_.vertices), radii);
+        for (int& landmark : result)
+            landmark = turning[landmark];
         return result;
     }
 
@@ -240,7 +242,8 @@ private:
         return result;
     }
 
-    /// Takes back what would leave triangles that cut others.
+    /// Takes back moves after which triangles cut others. Looked at once: what stays beside what moves, and flips, may
+    /// still leave a few.
     void avoid_cuts(Points& places) const
     {
         std::vector<char> may_move(mesh_.vertices.size(), 0);

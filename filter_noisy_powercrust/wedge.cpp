@@ -44,27 +44,34 @@ void thin_evenly(std::vector<int>& indices)
 
 } // namespace
 
-double Sheet::distance(const Point& p) const
+Sheet::Foot Sheet::foot_of(const Point& p) const
 {
     const Vector d = p - origin;
     const double u = d.dot(frame.t1) / width, v = d.dot(frame.t2) / width;
-    const double height =
-        d.dot(frame.normal) - (c[0] + c[1] * u + c[2] * v + c[3] * u * u + c[4] * u * v + c[5] * v * v);
-    const double slope_u = (c[1] + 2 * c[3] * u + c[4] * v) / width, slope_v = (c[2] + c[4] * u + 2 * c[5] * v) / width;
-    return height / std::sqrt(1 + slope_u * slope_u + slope_v * slope_v);
+    return {d.dot(frame.normal) - (c[0] + c[1] * u + c[2] * v + c[3] * u * u + c[4] * u * v + c[5] * v * v),
+            (c[1] + 2 * c[3] * u + c[4] * v) / width, (c[2] + c[4] * u + 2 * c[5] * v) / width};
+}
+
+double Sheet::distance(const Point& p) const
+{
+    const Foot foot = foot_of(p);
+    return foot.height / std::sqrt(1 + foot.slope_u * foot.slope_u + foot.slope_v * foot.slope_v);
 }
 
 Vector Sheet::normal(const Point& p) const
 {
-    const Vector d = p - origin;
-    const double u = d.dot(frame.t1) / width, v = d.dot(frame.t2) / width;
-    const double slope_u = (c[1] + 2 * c[3] * u + c[4] * v) / width, slope_v = (c[2] + c[4] * u + 2 * c[5] * v) / width;
-    return (frame.normal - slope_u * frame.t1 - slope_v * frame.t2).normalized();
+    const Foot foot = foot_of(p);
+    return (frame.normal - foot.slope_u * frame.t1 - foot.slope_v * frame.t2).normalized();
 }
 
 int Wedge::facing(const Point& p) const
 {
     return side * sheets[0].distance(p) > side * sheets[1].distance(p) ? 0 : 1;
+}
+
+double Wedge::distance(const Point& p) const
+{
+    return side * std::max(side * sheets[0].distance(p), side * sheets[1].distance(p));
 }
 
 Point Wedge::project(Point p) const
@@ -178,8 +185,9 @@ bool WedgeFitter::find_faces(const Window& window, Wedge& wedge)
             heights_.push_back(wedge.sheets[k].distance(surface_.vertices[v]));
         return median(heights_) > 0;
     };
-    wedge.side = rises_over(0) ? -1 : 1;
-    return rises_over(0) == rises_over(1);
+    const bool is_concave = rises_over(0);
+    wedge.side = is_concave ? -1 : 1;
+    return rises_over(1) == is_concave;
 }
 
 /// Means of two groups, beginning with the two normals that differ most.

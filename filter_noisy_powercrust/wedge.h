@@ -22,6 +22,13 @@ struct Sheet
 
     double distance(const Point& p) const; ///< Signed, to first order [length].
     Vector normal(const Point& p) const;   ///< Unit length, of the sheet below or above p.
+
+private:
+    struct Foot
+    {
+        double height, slope_u, slope_v; ///< Of p over the sheet [length], of the sheet there.
+    };
+    Foot foot_of(const Point& p) const;
 };
 
 /// Two sheets that end where they meet: a sharp edge.
@@ -32,13 +39,15 @@ struct Wedge
 
     /// The sheet that bounds the solid there, 0 or 1.
     int facing(const Point& p) const;
-    double distance(const Point& p) const { return sheets[facing(p)].distance(p); } ///< Signed, to first order.
+    double distance(const Point& p) const; ///< Signed, to first order.
     Point project(Point p) const;
 };
 
 /// A rounded surface and the noisy points that it was made from, in the same units.
 struct RoundedSurface
 {
+    explicit RoundedSurface(const Points& noisy) : points(noisy) {}
+
     Points vertices; ///< In spatial order.
     Vectors normals; ///< Of the vertices, outward, unit length.
     /// Twice the mesh's edges around each vertex, about an AMLS width [length]: "reaches" below are relative to it.
@@ -95,8 +104,8 @@ private:
 
     const RoundedSurface& surface_;
     int vertex_ = 0;
-    double collected_ = 0;                     ///< Within what [reaches]:
-    std::vector<int> collected_points_;        ///< All of the same sheet.
+    double collected_ = 0;                     ///< How far points were collected [reaches].
+    std::vector<int> collected_points_;        ///< Those of the vertex's own sheet.
     double sigma_ = 0;                         ///< Noise around the vertex [length].
     std::vector<int> around_;                  ///< Vertices.
     std::vector<int> judged_, fitted_;         ///< Points.

@@ -21,8 +21,8 @@ public:
     const std::vector<int>& moving() const { return moving_; }
 
     /// Per moving triangle, the number of triangles that it meets other than in corners and sides that they share.
-    /// Neighbours across a side never count, nor does what has no area. \param places of all vertices: moving ones no
-    /// farther out than the box of the moving triangles in the mesh.
+    /// Neighbours across a side never count, nor does what has no area. \param places of all vertices. What moving ones
+    /// reach beyond the box of the moving triangles in the mesh is not looked for.
     std::vector<int> count(const Points& places) const;
 
 private:
