@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,13 +28,14 @@ namespace
 using Wedges = std::vector<std::optional<JudgedWedge>>;
 
 // Lengths in reaches (RoundedSurface).
-constexpr double landmark_spacing = 0.6, turn_within = 0.75, turn_cosine = 0.9;
+constexpr double landmark_spacing = 0.6, scout_spacing = 1.2, turn_within = 0.75, turn_cosine = 0.9;
 /// Gains from which on a wedge votes for an edge, and from which on it is used where the votes win.
 constexpr double voting_gain = 0.9, voting_wide_gain = 1.5, used_gain = 0.2;
-constexpr double votes_within = 3, least_votes = 0.45; // of the landmarks there
+constexpr double votes_within = 3, least_votes = 0.45, least_scout_votes = 0.2; // of the landmarks there
 constexpr double blended_within = 1, farthest_move = 0.75;
 /// Moves that neighbours forbid succeed when these have moved and edges have flipped.
 constexpr int moving_rounds = 4;
+constexpr int most_rings = 16; // that stay where vertices were, around what cuts
 
 /// Twice the edges around each vertex, by the median of the neighbours' means.
 std::vector<double> measure_reach(const TriangleMesh& mesh)
@@ -109,7 +111,7 @@ public:
         place_points();
         Wedges wedges = fit_wedges(landmarks, progress);
         take_vote(landmarks, wedges);
-        return landmarks.empty() ? 0 : move_to(find_places(turns, landmarks, wedges));
+        return landmarks.empty() ? 0 : move_without_cuts(find_places(turns, landmarks, wedges));
     }
 
 private:
@@ -163,17 +165,55 @@ private:
                      });
     }
 
+    /// Of a few landmarks first, then of those around which enough of these vote: on round shapes that is none.
     Wedges fit_wedges(const std::vector<int>& landmarks, const Progress& progress) const
     {
-        constexpr std::size_t grain = 32;
+        const Points places = points_at(landmarks, surface_.vertices);
+        std::vector<double> radii;
+        for (const int v : landmarks)
+            radii.push_back(scout_spacing * surface_.reach[v]);
+        const std::vector<int> scouts = keep_apart(places, radii);
         Wedges result(landmarks.size());
-        parallel_chunks(landmarks.size(), threads_, grain, progress,
-                        [&](std::size_t begin, std::size_t end)
-                        {
-                            WedgeFitter fitter(surface_);
-                            for (std::size_t i = begin; i < end; ++i)
-                                result[i] = fitter.fit(landmarks[i]);
-                        });
+        const auto fit = [&](const std::vector<int>& chosen, const Progress& part)
+        {
+            constexpr std::size_t grain = 32;
+            parallel_chunks(chosen.size(), threads_, grain, part,
+                            [&](std::size_t begin, std::size_t end)
+                            {
+                                WedgeFitter fitter(surface_);
+                                for (std::size_t i = begin; i < end; ++i)
+                                    result[chosen[i]] = fitter.fit(landmarks[chosen[i]]);
+                            });
+        };
+        fit(scouts, progress.part(0, 0.4));
+        std::vector<char> is_promising = find_elected(landmarks, scouts, result, least_scout_votes);
+        for (const int scout : scouts)
+            is_promising[scout] = 0; // its wedge is there
+        std::vector<int> others;
+        for (std::size_t i = 0; i < landmarks.size(); ++i)
+            if (is_promising[i])
+                others.push_back(int(i));
+        fit(others, progress.part(0.4, 1));
+        return result;
+    }
+
+    /// Per landmark, whether more than that share of the voters around it vote for an edge. \param voters some
+    /// landmarks.
+    std::vector<char> find_elected(const std::vector<int>& landmarks, const std::vector<int>& voters,
+                                   const Wedges& wedges, double share) const
+    {
+        const Points places = points_at(landmarks, surface_.vertices);
+        const BlockSearch search(points_at(voters, places));
+        std::vector<char> result(landmarks.size(), 0);
+        parallel_for(landmarks.size(), threads_, {},
+                     [&](std::size_t i)
+                     {
+                         std::vector<int> around;
+                         search.within(places[i], votes_within * surface_.reach[landmarks[i]], around);
+                         const auto agreeing = std::count_if(around.begin(), around.end(),
+                                                             [&](int k) { return votes(wedges[voters[k]]); });
+                         result[i] = double(agreeing) > share * double(around.size());
+                     });
         return result;
     }
 
@@ -181,23 +221,12 @@ private:
     /// round shapes look sharp by chance.
     void take_vote(std::vector<int>& landmarks, Wedges& wedges) const
     {
-        const BlockSearch search(points_at(landmarks, surface_.vertices));
-        std::vector<char> stays(landmarks.size(), 0);
-        parallel_for(landmarks.size(), threads_, {},
-                     [&](std::size_t i)
-                     {
-                         if (!wedges[i] || wedges[i]->gain <= used_gain)
-                             return;
-                         const int v = landmarks[i];
-                         std::vector<int> around;
-                         search.within(surface_.vertices[v], votes_within * surface_.reach[v], around);
-                         const auto agreeing =
-                             std::count_if(around.begin(), around.end(), [&](int k) { return votes(wedges[k]); });
-                         stays[i] = double(agreeing) > least_votes * double(around.size());
-                     });
+        std::vector<int> all(landmarks.size());
+        std::iota(all.begin(), all.end(), 0);
+        const std::vector<char> is_elected = find_elected(landmarks, all, wedges, least_votes);
         std::size_t kept = 0;
         for (std::size_t i = 0; i < landmarks.size(); ++i)
-            if (stays[i])
+            if (is_elected[i] && wedges[i] && wedges[i]->gain > used_gain)
             {
                 landmarks[kept] = landmarks[i];
                 wedges[kept++] = std::move(wedges[i]);
@@ -242,55 +271,94 @@ private:
         return result;
     }
 
-    /// Takes back moves after which triangles cut others. Looked at once: what stays beside what moves, and flips, may
-    /// still leave a few.
-    void avoid_cuts(Points& places) const
+    /// Where triangles cut others afterwards, vertices stay, in wider rings each time.
+    /// \param places per vertex of the surface.
+    int move_without_cuts(const Points& places)
     {
-        std::vector<char> may_move(mesh_.vertices.size(), 0);
-        Points moved = mesh_.vertices;
+        Points wanted = mesh_.vertices;
         for (std::size_t v = 0; v < places.size(); ++v)
+            wanted[vertex_[v]] = places[v];
+        for (int rings = 0; rings <= most_rings; rings = std::max(1, 2 * rings))
         {
-            may_move[vertex_[v]] = places[v] != surface_.vertices[v];
-            moved[vertex_[v]] = places[v];
+            TriangleMesh edited = mesh_;
+            const int moved = move(edited, wanted);
+            std::vector<char> stays = find_cut(edited);
+            if (std::count(stays.begin(), stays.end(), 1) == 0)
+            {
+                mesh_ = std::move(edited);
+                return moved;
+            }
+            for (int ring = 0; ring < rings; ++ring)
+                widen(stays);
+            for (std::size_t v = 0; v < stays.size(); ++v)
+                if (stays[v])
+                    wanted[v] = mesh_.vertices[v];
         }
-        const TriangleCuts cuts(mesh_, may_move, threads_);
-        const std::vector<int> found = cuts.count(moved);
-        for (std::size_t i = 0; i < found.size(); ++i)
-            if (found[i] > 0)
-                for (const int v : mesh_.triangles[cuts.moving()[i]])
-                    moved[v] = mesh_.vertices[v];
-        for (std::size_t v = 0; v < places.size(); ++v)
-            places[v] = moved[vertex_[v]];
+        return 0;
     }
 
-    int move_to(Points places)
+    /// Moves vertices as near to their places as neighbours allow, and flips edges around them. \returns how many
+    /// moved.
+    int move(TriangleMesh& edited, const Points& wanted) const
     {
-        avoid_cuts(places);
-        std::vector<std::size_t> waiting;
-        for (std::size_t v = 0; v < places.size(); ++v)
-            if (places[v] != surface_.vertices[v])
+        std::vector<int> waiting;
+        for (const int v : vertex_)
+            if (wanted[v] != edited.vertices[v])
                 waiting.push_back(v);
-        HalfEdgeMesh mesh(mesh_, pair_half_edges(mesh_, threads_));
+        HalfEdgeMesh mesh(edited, pair_half_edges(edited, threads_));
         EdgeFlipOptions flips;
         flips.threads = threads_;
-        std::vector<char> has_moved(mesh_.vertices.size(), 0);
+        std::vector<char> has_moved(wanted.size(), 0);
         for (int round = 0; round < moving_rounds && !waiting.empty(); ++round)
         {
-            std::vector<char> changed(mesh_.vertices.size(), 0);
-            std::vector<std::size_t> left;
-            for (const std::size_t i : waiting)
+            std::vector<char> changed(wanted.size(), 0);
+            std::vector<int> left;
+            for (const int v : waiting)
             {
-                const int v = vertex_[i];
-                const bool arrived = mesh.move(v, places[i]);
+                const bool arrived = mesh.move(v, wanted[v]);
                 if (!arrived)
-                    left.push_back(i);
-                changed[v] = arrived || mesh.move(v, (places[i] + mesh.position(v)) / 2);
+                    left.push_back(v);
+                changed[v] = arrived || mesh.move(v, (wanted[v] + mesh.position(v)) / 2);
                 has_moved[v] = has_moved[v] || changed[v];
             }
             flip_edges(mesh, flips, &changed);
             waiting = std::move(left);
         }
         return int(std::count(has_moved.begin(), has_moved.end(), 1));
+    }
+
+    /// Per vertex, whether a triangle there is not as it was and cuts another.
+    std::vector<char> find_cut(const TriangleMesh& edited) const
+    {
+        std::vector<char> may_cut(mesh_.vertices.size(), 0), result = may_cut;
+        const auto is_new = [&](int t)
+        {
+            const auto& corners = edited.triangles[t];
+            return corners != mesh_.triangles[t] ||
+                   std::any_of(corners.begin(), corners.end(),
+                               [&](int v) { return edited.vertices[v] != mesh_.vertices[v]; });
+        };
+        for (std::size_t t = 0; t < edited.triangles.size(); ++t)
+            if (is_new(int(t)))
+                for (const int v : edited.triangles[t])
+                    may_cut[v] = 1;
+        const TriangleCuts cuts(edited, may_cut, threads_);
+        const std::vector<int> found = cuts.count(edited.vertices);
+        for (std::size_t i = 0; i < found.size(); ++i)
+            if (const int t = cuts.moving()[i]; found[i] > 0 && is_new(t))
+                for (const int v : edited.triangles[t])
+                    result[v] = 1;
+        return result;
+    }
+
+    /// Marks the vertices beside those that are marked, too.
+    void widen(std::vector<char>& marked) const
+    {
+        const std::vector<char> before = marked;
+        for (const auto& t : mesh_.triangles)
+            if (before[t[0]] || before[t[1]] || before[t[2]])
+                for (const int v : t)
+                    marked[v] = 1;
     }
 
     TriangleMesh& mesh_;

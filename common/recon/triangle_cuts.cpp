@@ -2,14 +2,13 @@
 
 #include <recon/parallel.h>
 
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/box_intersection_d.h>
 
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <utility>
 
 namespace recon
 {
@@ -17,80 +16,70 @@ namespace
 {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Corners = std::array<int, 3>;
+
+struct Shape
+{
+    Kernel::Triangle_3 triangle;
+    std::array<int, 3> corners; ///< Vertices of the mesh.
+    int index;                  ///< Of the triangle, in the list that was chosen.
+};
+
+using ShapeBox = CGAL::Box_intersection_d::Box_with_handle_d<double, 3, const Shape*>;
+
+Kernel::Point_3 to_cgal(const Point& p)
+{
+    return {p.x(), p.y(), p.z()};
+}
+
+/// Whether the side opposite to corner k meets the other triangle, in whose plane that corner lies.
+bool side_meets(const Kernel::Triangle_3& triangle, int k, const Kernel::Triangle_3& other)
+{
+    const Kernel::Point_3 &p = triangle[(k + 1) % 3], &q = triangle[(k + 2) % 3];
+    const auto side = CGAL::orientation(other[0], other[1], other[2], p);
+    if (side != CGAL::COPLANAR && side == CGAL::orientation(other[0], other[1], other[2], q))
+        return false; // the most frequent case, for less
+    return CGAL::do_intersect(Kernel::Segment_3(p, q), other);
+}
+
+bool cross(const Shape& a, const Shape& b)
+{
+    int shared = 0, i = 0, k = 0;
+    for (int m = 0; m < 3; ++m)
+        for (int n = 0; n < 3; ++n)
+            if (a.corners[m] == b.corners[n])
+            {
+                ++shared;
+                i = m;
+                k = n;
+            }
+    if (shared == 0)
+        return CGAL::do_intersect(a.triangle, b.triangle);
+    return shared == 1 && (side_meets(a.triangle, i, b.triangle) || side_meets(b.triangle, k, a.triangle));
+}
 
 } // namespace
 
-/// Some triangles of a mesh in a search tree.
-class TriangleCuts::Tree
+/// Those of some triangles that have an area, and their boxes.
+class TriangleCuts::Shapes
 {
 public:
-    /// \param places of the vertices. Keeps a reference to `triangles`.
-    Tree(const Points& places, const std::vector<Corners>& triangles, const std::vector<int>& chosen)
-        : triangles_(triangles)
+    /// \param places of the vertices.
+    Shapes(const Points& places, const TriangleMesh& mesh, const std::vector<int>& chosen)
     {
-        for (const int t : chosen)
-            if (const Kernel::Triangle_3 shape = shape_of(t, places); !shape.is_degenerate())
-            {
-                shapes_.push_back(shape);
-                indices_.push_back(t);
-            }
-        tree_.rebuild(shapes_.cbegin(), shapes_.cend());
-        tree_.build(); // not at the first query, of which several threads may make one
+        for (std::size_t i = 0; i < chosen.size(); ++i)
+        {
+            const auto& corners = mesh.triangles[chosen[i]];
+            const Kernel::Triangle_3 triangle(to_cgal(places[corners[0]]), to_cgal(places[corners[1]]),
+                                              to_cgal(places[corners[2]]));
+            if (!triangle.is_degenerate())
+                list.push_back({triangle, corners, int(i)});
+        }
+        for (const Shape& shape : list)
+            boxes.emplace_back(shape.triangle.bbox(), &shape);
     }
 
-    /// How many of them cross triangle t, other than in corners and sides that they share with it. \param places of its
-    /// vertices; those of the tree's triangles are where they were.
-    int count_crossing(int t, const Points& places) const
-    {
-        const Kernel::Triangle_3 shape = shape_of(t, places);
-        if (shapes_.empty() || shape.is_degenerate())
-            return 0;
-        std::vector<Shapes::const_iterator> met;
-        tree_.all_intersected_primitives(shape, std::back_inserter(met));
-        return int(std::count_if(met.begin(), met.end(),
-                                 [&](const Shapes::const_iterator& m)
-                                 { return cross(t, indices_[std::size_t(m - shapes_.cbegin())], places); }));
-    }
-
-private:
-    using Shapes = std::vector<Kernel::Triangle_3>;
-    using Primitive = CGAL::AABB_triangle_primitive<Kernel, Shapes::const_iterator>;
-
-    static Kernel::Point_3 to_cgal(const Point& p) { return {p.x(), p.y(), p.z()}; }
-    Kernel::Triangle_3 shape_of(int t, const Points& places) const
-    {
-        const Corners& corners = triangles_[t];
-        return {to_cgal(places[corners[0]]), to_cgal(places[corners[1]]), to_cgal(places[corners[2]])};
-    }
-    /// The side of triangle t opposite to its corner k.
-    Kernel::Segment_3 side_of(int t, int k, const Points& places) const
-    {
-        return {to_cgal(places[triangles_[t][(k + 1) % 3]]), to_cgal(places[triangles_[t][(k + 2) % 3]])};
-    }
-
-    /// \pre their shapes meet.
-    bool cross(int t, int u, const Points& places) const
-    {
-        int shared = 0, i = 0, k = 0;
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b)
-                if (triangles_[t][a] == triangles_[u][b])
-                {
-                    ++shared;
-                    i = a;
-                    k = b;
-                }
-        if (shared != 1)
-            return shared == 0;
-        return CGAL::do_intersect(side_of(t, i, places), shape_of(u, places)) ||
-               CGAL::do_intersect(side_of(u, k, places), shape_of(t, places));
-    }
-
-    const std::vector<Corners>& triangles_;
-    Shapes shapes_;
-    std::vector<int> indices_; ///< Of the shapes' triangles.
-    CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>> tree_;
+    std::vector<Shape> list;
+    std::vector<ShapeBox> boxes; ///< Of the list, in any order.
 };
 
 TriangleCuts::TriangleCuts(const TriangleMesh& mesh, const std::vector<char>& may_move, int threads)
@@ -117,21 +106,31 @@ TriangleCuts::TriangleCuts(const TriangleMesh& mesh, const std::vector<char>& ma
             (box.maximum.array() >= reached.minimum.array()).all())
             held.push_back(int(t));
     }
-    held_ = std::make_unique<Tree>(mesh.vertices, mesh.triangles, held);
+    held_ = std::make_unique<Shapes>(mesh.vertices, mesh, held);
 }
 
 TriangleCuts::~TriangleCuts() = default;
 
 std::vector<int> TriangleCuts::count(const Points& places) const
 {
-    constexpr std::size_t grain = 16;
-    const Tree moved(places, mesh_.triangles, moving_);
+    Shapes moved(places, mesh_, moving_);
+    std::vector<ShapeBox> held = held_->boxes;
+    std::vector<std::pair<const Shape*, const Shape*>> pairs; // the first one moves
+    const auto collect = [&](const ShapeBox& a, const ShapeBox& b) { pairs.emplace_back(a.handle(), b.handle()); };
+    CGAL::box_intersection_d(moved.boxes.begin(), moved.boxes.end(), held.begin(), held.end(), collect);
+    const std::size_t with_held = pairs.size();
+    CGAL::box_self_intersection_d(moved.boxes.begin(), moved.boxes.end(), collect);
+    std::vector<char> crosses(pairs.size());
+    parallel_for(pairs.size(), threads_, {},
+                 [&](std::size_t i) { crosses[i] = cross(*pairs[i].first, *pairs[i].second); });
     std::vector<int> result(moving_.size());
-    parallel_for(
-        moving_.size(), threads_, {},
-        [&](std::size_t i)
-        { result[i] = held_->count_crossing(moving_[i], places) + moved.count_crossing(moving_[i], places); },
-        grain);
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        if (crosses[i])
+        {
+            ++result[pairs[i].first->index];
+            if (i >= with_held)
+                ++result[pairs[i].second->index];
+        }
     return result;
 }
 

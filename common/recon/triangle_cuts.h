@@ -26,11 +26,11 @@ public:
     std::vector<int> count(const Points& places) const;
 
 private:
-    class Tree;
+    class Shapes;
     const TriangleMesh& mesh_;
     int threads_;
     std::vector<int> moving_;
-    std::unique_ptr<Tree> held_;
+    std::unique_ptr<Shapes> held_;
 };
 
 } // namespace recon

@@ -7,8 +7,11 @@
 #include "tests/shapes.h"
 
 #include <recon/spatial_order.h>
+#include <recon/triangle_cuts.h>
 
 #include <gtest/gtest.h>
+
+#include <numeric>
 
 using namespace recon;
 
@@ -101,6 +104,31 @@ TEST(SharpEdges, RoundedEdgesOfANoisyBoxAreSharpAgain)
     EXPECT_EQ(restore_sharp_edges(again, points, 3), moved);
     EXPECT_EQ(again.vertices, sharp.vertices);
     EXPECT_EQ(again.triangles, sharp.triangles);
+}
+
+TEST(SharpEdges, WhatRunsBetweenTheRoundedAndTheSharpEdgeIsNotCut)
+{
+    const Points points = noisy_box(5);
+    TriangleMesh mesh = rounded_box(rounding);
+    const auto count_cuts = [&]
+    {
+        const TriangleCuts cuts(mesh, std::vector<char>(mesh.vertices.size(), 1), 1);
+        const std::vector<int> found = cuts.count(mesh.vertices);
+        return std::accumulate(found.begin(), found.end(), 0);
+    };
+    const int before = count_cuts();
+    for (double x = -0.7; x <= 0.7; x += 0.2) // needles that touch nothing, with their ends far from the box
+    {
+        const Point middle(x, sides.y() / 2 - 0.008, sides.z() / 2 - 0.008);
+        const Vector way(0, 1, -1), wide(0.003, 0, 0), high(0, 0.003, 0.003);
+        const int a = int(mesh.vertices.size()), b = a + 1, c = a + 2, d = a + 3;
+        mesh.vertices.insert(mesh.vertices.end(),
+                             {middle + way - wide, middle + way + wide, middle - way - high, middle - way + high});
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}, {a, d, b}, {b, d, c}});
+    }
+    ASSERT_EQ(count_cuts(), before);
+    EXPECT_GT(restore_sharp_edges(mesh, points), 100);
+    EXPECT_EQ(count_cuts(), before);
 }
 
 TEST(SharpEdges, RoundBendsStayRound)
