@@ -74,13 +74,14 @@ public:
     }
 
 private:
-    /// Distance to the zero after a step, all in widths. Newton's error falls with the square of the step, that of VMLS
-    /// and PMLS, whose n(x) lags behind, by a ratio that two steps tell.
+    /// Distance to the zero after a step, all in widths. Newton's method leaves half of |I''/I'| times the squared
+    /// step, and I's gradient turns by less than itself within a width. VMLS and PMLS, whose n(x) lags behind, leave a
+    /// ratio that two steps tell.
     double estimate_error(double step, double last) const
     {
         constexpr double slowest = 0.95;
         if (options_.surface == PlainSurface::normalised || options_.surface == PlainSurface::plain_n)
-            return step * step;
+            return step * step / 2;
         const double ratio = last > 0 ? std::min(step / last, slowest) : slowest;
         return step * ratio / (1 - ratio);
     }
