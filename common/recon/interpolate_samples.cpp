@@ -4,8 +4,7 @@
 #include <recon/flip_edges.h>
 #include <recon/half_edge_mesh.h>
 #include <recon/parallel.h>
-
-#include <Eigen/Geometry>
+#include <recon/triangle_tree.h>
 
 #include <algorithm>
 #include <array>
@@ -20,30 +19,6 @@ namespace
 constexpr double farthest = 0.5;
 /// Moves that neighbours forbid succeed when these have moved and edges have flipped.
 constexpr int rounds = 3;
-
-/// Squared distance to the side from a to b.
-double squared_distance(const Point& p, const Point& a, const Point& b)
-{
-    const Vector side = b - a, offset = p - a;
-    const double squared = side.squaredNorm(), t = squared > 0 ? std::clamp(offset.dot(side) / squared, 0.0, 1.0) : 0;
-    return (offset - t * side).squaredNorm();
-}
-
-/// Squared distance to a triangle.
-double squared_distance(const Point& p, const Point& a, const Point& b, const Point& c)
-{
-    const Vector normal = (b - a).cross(c - a);
-    double least = 1e300;
-    bool is_above = normal.squaredNorm() > 0;
-    const Point* corners[4] = {&a, &b, &c, &a};
-    for (int k = 0; k < 3; ++k)
-    {
-        least = std::min(least, squared_distance(p, *corners[k], *corners[k + 1]));
-        is_above = is_above && (*corners[k + 1] - *corners[k]).cross(p - *corners[k]).dot(normal) >= 0;
-    }
-    const double height = normal.dot(p - a);
-    return is_above ? height * height / normal.squaredNorm() : least;
-}
 
 class Interpolator
 {

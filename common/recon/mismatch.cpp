@@ -2,11 +2,7 @@
 
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
-
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
-#include <CGAL/Simple_cartesian.h>
+#include <recon/triangle_tree.h>
 
 #include <Eigen/Geometry>
 
@@ -20,11 +16,6 @@ namespace recon
 namespace
 {
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
-
 /// Points so near to the surface may be noise, where it is known [its standard deviation].
 constexpr double reach_of_noise = 5;
 /// See NoiseMisfit.
@@ -32,35 +23,6 @@ constexpr double far_by_noise = 3, about_equal = 0.9;
 /// Points of a place [count]: in Gaussian noise 0.13 % of the places pass for two sheets.
 constexpr int place = 32;
 constexpr std::size_t most_asked = 20'000, most_asked_of_area = 4'000;
-
-Kernel::Point_3 to_cgal(const Point& p)
-{
-    return {p.x(), p.y(), p.z()};
-}
-
-/// Distances of places to a mesh.
-class DistanceToMesh
-{
-public:
-    explicit DistanceToMesh(const TriangleMesh& mesh)
-    {
-        for (const auto& t : mesh.triangles)
-        {
-            triangles_.emplace_back(to_cgal(mesh.vertices[t[0]]), to_cgal(mesh.vertices[t[1]]),
-                                    to_cgal(mesh.vertices[t[2]]));
-            if (triangles_.back().is_degenerate())
-                triangles_.pop_back();
-        }
-        tree_.rebuild(triangles_.cbegin(), triangles_.cend());
-        tree_.accelerate_distance_queries();
-    }
-    bool is_empty() const { return triangles_.empty(); }
-    double squared(const Point& p) const { return tree_.squared_distance(to_cgal(p)); }
-
-private:
-    Triangles triangles_;
-    Tree tree_;
-};
 
 /// At most most_asked of the points, at equal steps of their order.
 Points choose_asked(const Points& points)
@@ -74,16 +36,16 @@ Points choose_asked(const Points& points)
 double measure_missed_points(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search,
                              double noise, int threads, const Progress& progress)
 {
-    const DistanceToMesh distance(mesh);
-    if (distance.is_empty())
+    if (mesh.triangles.empty())
         return 1;
+    const TriangleTree tree(mesh.vertices, mesh.triangles);
     const Points asked = choose_asked(points);
     std::vector<char> is_missed(asked.size());
     parallel_for(asked.size(), threads, progress,
                  [&](std::size_t i)
                  {
                      const double reach = std::max(measure_spacing_at(asked[i], search), reach_of_noise * noise);
-                     is_missed[i] = distance.squared(asked[i]) > reach * reach;
+                     is_missed[i] = tree.squared_distance_from(asked[i]) > reach * reach;
                  });
     return double(std::count(is_missed.begin(), is_missed.end(), 1)) / double(asked.size());
 }
@@ -144,13 +106,13 @@ double measure_two_sheets(const Points& points, const std::vector<double>& squar
 NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh, double noise, int threads,
                                  const Progress& progress)
 {
-    const DistanceToMesh distance(mesh);
-    if (points.empty() || distance.is_empty())
+    if (points.empty() || mesh.triangles.empty())
         return {};
+    const TriangleTree tree(mesh.vertices, mesh.triangles);
     const Points asked = choose_asked(points);
     std::vector<double> squared(asked.size());
     parallel_for(asked.size(), threads, progress.part(0, 0.6, "distances"),
-                 [&](std::size_t i) { squared[i] = distance.squared(asked[i]); });
+                 [&](std::size_t i) { squared[i] = tree.squared_distance_from(asked[i]); });
     const double reach = far_by_noise * noise;
     const auto beyond = std::count_if(squared.begin(), squared.end(), [&](double s) { return s > reach * reach; });
     return {double(beyond) / double(asked.size()),

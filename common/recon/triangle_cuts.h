@@ -1,6 +1,6 @@
 #pragma once
 
-#include <recon/geometry.h>
+#include <recon/triangle_tree.h>
 
 #include <memory>
 #include <vector>
@@ -15,22 +15,20 @@ public:
     /// \param may_move per vertex; the others stay where they are in `mesh`, which must outlive this object.
     /// \param threads >= 1.
     TriangleCuts(const TriangleMesh& mesh, const std::vector<char>& may_move, int threads);
-    ~TriangleCuts();
 
     /// Triangles with a vertex that may move, ascending.
     const std::vector<int>& moving() const { return moving_; }
 
     /// Per moving triangle, the number of triangles that it meets other than in corners and sides that they share.
-    /// Neighbours across a side never count, nor does what has no area. \param places of all vertices. What moving ones
-    /// reach beyond the box of the moving triangles in the mesh is not looked for.
+    /// Neighbours across a side never count, nor does what has no area. \param places of all vertices.
     std::vector<int> count(const Points& places) const;
 
 private:
-    class Shapes;
     const TriangleMesh& mesh_;
     int threads_;
     std::vector<int> moving_;
-    std::unique_ptr<Shapes> held_;
+    TriangleTree::Triangles moving_corners_, held_corners_;
+    std::unique_ptr<const TriangleTree> held_;
 };
 
 } // namespace recon

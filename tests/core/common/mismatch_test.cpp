@@ -86,7 +86,9 @@ TEST(MeasureMismatch, StandsHostileInput)
     TriangleMesh degenerate;
     degenerate.vertices = {Point(0, 0, 0), Point(1, 0, 0), Point(2, 0, 0)};
     degenerate.triangles = {{0, 1, 2}, {0, 0, 1}};
-    EXPECT_EQ(measure_mismatch(points, degenerate).sum(), 1);
+    const double most = measure_mismatch(points, degenerate).sum(); // the segment passes through the sphere
+    EXPECT_GT(most, 0.95);
+    EXPECT_LT(most, 1);
     EXPECT_LE(measure_mismatch({Point(0, 0, 0)}, degenerate).sum(), 1);
 }
 

@@ -128,15 +128,18 @@ TEST(DrawBareFacesTaut, StandsTrianglesWithoutAreaAndIsTheSameForAnyNumberOfThre
 TEST(TriangleCuts, CountsWhatCrossesButNotNeighbours)
 {
     TriangleMesh mesh;
-    mesh.vertices = {Point(0, 0, 0),  Point(1, 0, 0),     Point(0, 1, 0),      Point(1, 1, 0),
-                     Point(-9, 9, 9), Point(0.2, 0.2, 1), Point(0.2, 0.2, -1), Point(2, 2, 0.1)};
-    mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {5, 6, 7}, {0, 4, 5}};
-    const TriangleCuts cuts(mesh, {1, 0, 0, 0, 0, 0, 0, 0}, 1);
+    mesh.vertices = {Point(0, 0, 0),   Point(1, 0, 0),     Point(0, 1, 0),      Point(1, 1, 0),
+                     Point(-9, 9, 9),  Point(0.2, 0.2, 1), Point(0.2, 0.2, -1), Point(2, 2, 0.1),
+                     Point(2, -2, -1), Point(2, -2, 1),    Point(4, -2, 0)};
+    mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {5, 6, 7}, {0, 4, 5}, {8, 9, 10}};
+    const TriangleCuts cuts(mesh, {1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 1);
     EXPECT_EQ(cuts.moving(), (std::vector<int>{0, 3}));
     EXPECT_EQ(cuts.count(mesh.vertices), (std::vector<int>{1, 0}));
     Points places = mesh.vertices;
     places[0] = Point(0.5, 0.5, 0); // without area
     EXPECT_EQ(cuts.count(places).front(), 0);
+    places[0] = Point(4, -4, 0); // beyond where the moving ones were, through the last
+    EXPECT_EQ(cuts.count(places).front(), 2);
 }
 
 } // namespace
