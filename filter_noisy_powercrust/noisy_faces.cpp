@@ -7,6 +7,7 @@
 #include <recon/block_search.h>
 #include <recon/median.h>
 #include <recon/neighbours.h>
+#include <recon/parallel.h>
 
 #include <Eigen/Dense>
 
@@ -81,15 +82,16 @@ class NoisyFaceFinder
 public:
     NoisyFaceFinder(const Points& points, double noise) : points_(points), noise_(noise), search_(points) {}
 
-    NoisyFaces find(int threads, const Progress& progress)
+    NoisyFaces find(int threads, const Progress& progress) const
     {
         const std::vector<NoisyPlane> planes = find_noisy_planes(points_, noise_, threads);
-        for (std::size_t k = 0; k < planes.size(); ++k)
-        {
-            progress.report(double(k) / double(planes.size()));
-            append_faces(planes[k]);
-        }
-        return std::move(result_);
+        std::vector<NoisyFaces> of_plane(planes.size());
+        parallel_for(
+            planes.size(), threads, progress, [&](std::size_t k) { of_plane[k] = find_on(planes[k]); }, 1);
+        NoisyFaces result;
+        for (NoisyFaces& own : of_plane)
+            append(std::move(own), result);
+        return result;
     }
 
 private:
@@ -296,15 +298,16 @@ private:
         return {};
     }
 
-    void append_faces(const NoisyPlane& found)
+    NoisyFaces find_on(const NoisyPlane& found) const
     {
+        NoisyFaces result;
         Members members = drop_leaning(list_members(found));
         if (int(members.flat.size()) < fewest_samples || cover_an_area(members))
-            return;
+            return result;
         const NoisyPlane plane = fit(members);
         members = drop_leaning(list_members(plane));
         if (int(members.flat.size()) < fewest_samples)
-            return;
+            return result;
         std::vector<Flat> rims;
         for (const PlanarFace& planar : fill(draw_rims(members), rims))
         {
@@ -314,27 +317,43 @@ private:
             std::map<int, int> of_rim;
             for (const int v : planar.rim)
             {
-                of_rim[v] = int(result_.rims.size());
-                face.rim.push_back(int(result_.rims.size()));
-                result_.rims.push_back(plane.origin + rims[v].x() * members.first + rims[v].y() * members.second);
+                of_rim[v] = int(result.rims.size());
+                face.rim.push_back(int(result.rims.size()));
+                result.rims.push_back(plane.origin + rims[v].x() * members.first + rims[v].y() * members.second);
             }
             for (const auto& t : planar.triangles)
                 face.triangles.push_back({of_rim[t[0]], of_rim[t[1]], of_rim[t[2]]});
-            if (!settle(face))
+            if (!settle(face, result.rims))
                 continue;
-            find_away(face, result_.rims);
-            result_.faces.push_back(std::move(face));
+            find_away(face, result.rims);
+            result.faces.push_back(std::move(face));
+        }
+        return result;
+    }
+
+    static void append(NoisyFaces&& more, NoisyFaces& all)
+    {
+        const int before = int(all.rims.size());
+        all.rims.insert(all.rims.end(), more.rims.begin(), more.rims.end());
+        for (FlatFace& face : more.faces)
+        {
+            for (auto& t : face.triangles)
+                for (int& v : t)
+                    v += before;
+            for (int& v : face.rim)
+                v += before;
+            all.faces.push_back(std::move(face));
         }
     }
 
-    /// Fits a face's plane to the points around its rims alone. \returns whether they lie in it but for noise; in any
-    /// slab through a body they fill it evenly.
-    bool settle(FlatFace& face)
+    /// Fits a face's plane to the points around its rims alone, and puts these on it. \returns whether they lie in it
+    /// but for noise; in any slab through a body they fill it evenly.
+    bool settle(FlatFace& face, Points& rims) const
     {
         std::vector<int> around, near;
         for (const int v : face.rim)
         {
-            search_.within(result_.rims[v], reach * noise_, near);
+            search_.within(rims[v], reach * noise_, near);
             around.insert(around.end(), near.begin(), near.end());
         }
         std::sort(around.begin(), around.end());
@@ -357,7 +376,7 @@ private:
         face.origin = plane.origin;
         face.normal = plane.normal;
         for (const int v : face.rim)
-            result_.rims[v] -= plane.height(result_.rims[v]) * plane.normal;
+            rims[v] -= plane.height(rims[v]) * plane.normal;
         return squared <= widest_spread * widest_spread * count;
     }
 
@@ -404,7 +423,6 @@ private:
     const Points& points_;
     double noise_;
     BlockSearch search_;
-    NoisyFaces result_;
 };
 
 } // namespace
