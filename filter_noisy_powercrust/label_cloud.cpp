@@ -123,10 +123,14 @@ public:
         if (best.has_lids())
         {
             const double finest = std::ldexp(best.attempt.cloud.noise, -halvings);
-            const double violated = try_less_noise(best, progress.part(0.1, 0.7, "less noise"));
-            // Bare flats are no lids.
-            if (!has_flats && best.has_lids() && violated > objecting_votes)
-                try_open_lids(best, finest, progress.part(0.7, 1, "open lids"));
+            LessNoise last = try_less_noise(best, progress.part(0.1, 0.7, "less noise"));
+            // Bare flats are no lids. Votes that object little share balls, which have other numbers in the next run.
+            if (!has_flats && best.has_lids() && last.violated > objecting_votes)
+                try_open_lids(best,
+                              last.dropped
+                                  ? std::move(*last.dropped)
+                                  : prepare_and_label(Denoise::on, finest, progress.part(0.7, 0.9, "least noise")),
+                              progress.part(0.9, 1, "open lids"));
             if (best.has_lids())
                 best.attempt.lost_walls = true;
         }
@@ -264,28 +268,38 @@ private:
             best = std::move(fine);
     }
 
-    /// Half the noise, a quarter, an eighth, as long as that finds walls. \returns the share of votes that the last
-    /// attempt violates.
-    double try_less_noise(Judged& best, const Progress& progress)
+    /// The last attempt with less noise: its share of violated votes, and what it found unless that is the best.
+    struct LessNoise
+    {
+        double violated = 0;
+        std::optional<LabelledCloud> dropped;
+    };
+
+    /// Half the noise, a quarter, an eighth, as long as that finds walls.
+    LessNoise try_less_noise(Judged& best, const Progress& progress)
     {
         const bool has_flats = best.attempt.completed > 0;
         const double share = has_flats ? found_again_beside_flats : found_again;
-        double noise = best.attempt.cloud.noise, most_missed = best.mismatch.missed_points, violated = 0;
+        double noise = best.attempt.cloud.noise, most_missed = best.mismatch.missed_points;
+        LessNoise last;
         for (int i = 0; i < halvings && best.has_lids(); ++i)
         {
+            last.dropped.reset();
             noise /= 2;
             most_missed *= share;
             Judged finer = judge(prepare_and_label(
                 Denoise::on, noise, progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise")));
-            violated = finer.attempt.labelled.violated_votes;
+            last.violated = finer.attempt.labelled.violated_votes;
             const double missed = finer.mismatch.missed_points;
             const bool is_hollow = finer.mismatch.bare_area <= bare_lid && missed < best.mismatch.missed_points;
             if (has_flats && !is_hollow && missed > hopeless * best.mismatch.missed_points)
                 break;
             if ((is_hollow || missed < most_missed) && !lays_bare(finer.attempt, best.attempt))
                 best = std::move(finer);
+            else
+                last.dropped = std::move(finer.attempt);
         }
-        return violated;
+        return last;
     }
 
     /// Whether faces that were completed are bare again, though less noise fits any points better.
@@ -304,20 +318,17 @@ private:
                             labelling_.threads);
     }
 
-    /// The cloud with the least noise and all lids open: where the points object to what is filled, the mouth of a cup
-    /// is open, though no sample is there to say so.
-    void try_open_lids(Judged& best, double noise, const Progress& progress)
+    /// A cloud with all lids open: where the points object to what is filled, the mouth of a cup is open, though no
+    /// sample is there to say so.
+    void try_open_lids(Judged& best, LabelledCloud open, const Progress& progress)
     {
-        LabelledCloud open = prepare_and_label(Denoise::on, noise, progress.part(0, 0.6, "least noise"));
         const double violated = open.labelled.violated_votes;
-        if (violated <= objecting_votes) // then its balls may be shared, and have other numbers in the next run
-            return;
         BallLabellingOptions labelling = options_for(open.cloud);
         labelling.opened = list_balls_under_lids(open.cloud.samples, open.labelled);
         if (open.completed > 0 || labelling.opened.empty())
             return;
-        open.labelled = label_polar_balls(open.cloud.samples, open.cloud.normals, labelling, times_,
-                                          progress.part(0.6, 1, "labels"));
+        open.labelled = label_polar_balls(open.cloud.samples, open.cloud.normals, labelling, times_, progress);
+        open.polygons.reset();
         turn_normals(open);
         open.opened = true;
         Judged opened = judge(std::move(open));

@@ -359,11 +359,9 @@ private:
         std::sort(around.begin(), around.end());
         around.erase(std::unique(around.begin(), around.end()), around.end());
         NoisyPlane plane = {face.origin, face.normal};
-        for (int round = 0; round < 2; ++round)
-            if (!refit_plane(plane, points_, around, noise_))
-                return false;
-        if (plane.normal.dot(face.normal) < 0)
-            plane.normal = -plane.normal;
+        const PointsOfPlanes fitted(points_, around);
+        if (!fitted.refit(plane, noise_) || !fitted.refit(plane, noise_))
+            return false;
         double squared = 0, count = 0;
         for (const int i : around)
         {

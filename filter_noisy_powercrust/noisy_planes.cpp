@@ -3,6 +3,7 @@
 #include <recon/block_search.h>
 #include <recon/parallel.h>
 #include <recon/scramble.h>
+#include <recon/simd.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -12,6 +13,14 @@
 
 namespace recon
 {
+
+/// Sums over the points of a slab, and what lies just beside it.
+struct SlabSums
+{
+    double count, squared_heights, beside;
+    double first[3], second[6]; ///< Moments: x, y, z; xx, xy, xz, yy, yz, zz.
+};
+
 namespace
 {
 
@@ -25,6 +34,7 @@ constexpr int triples = 40, fewest_members = 30;
 constexpr double bare_share = 0.3;
 /// A point found beside the slab weighs as much against a plane.
 constexpr double weight_beside = 2;
+
 struct Candidate
 {
     NoisyPlane plane;
@@ -32,27 +42,40 @@ struct Candidate
     double radius = 0, support = 0;
 };
 
-bool is_inside(const NoisyPlane& plane, const Point& p, double noise)
+/// Over points with n . p - offset within `half`. What is beside it lies within twice that. \param is_point 0 where
+/// the arrays are padded.
+RECON_VECTOR_CLONES
+void sum_slab(const double* px, const double* py, const double* pz, const double* is_point, int size, double nx,
+              double ny, double nz, double offset, double half, SlabSums* sums)
 {
-    return std::abs(plane.height(p)) <= slab_half * noise;
-}
-
-/// Points in the slab less those beside it; 0 if they fill the slab evenly.
-double measure_support(const NoisyPlane& plane, const Points& points, const std::vector<int>& around, double noise)
-{
-    double support = 0, count = 0, squared = 0;
-    for (const int i : around)
+    using simd::Lanes;
+    Lanes count = {}, squared = {}, beside = {}, first[3] = {}, second[6] = {};
+    for (int i = 0; i < size; i += simd::lane_count)
     {
-        const double height = std::abs(plane.height(points[i])) / noise;
-        if (height <= slab_half)
-        {
-            ++count;
-            squared += height * height;
-        }
-        else if (height <= 2 * slab_half)
-            support -= weight_beside;
+        const Lanes x = simd::load(px + i), y = simd::load(py + i), z = simd::load(pz + i),
+                    one = simd::load(is_point + i);
+        const Lanes height = nx * x + ny * y + nz * z - offset, h = height < 0 ? -height : height;
+        const Lanes in = h <= half ? one : Lanes{}, wx = in * x, wy = in * y, wz = in * z;
+        count += in;
+        squared += in * h * h;
+        beside += h <= 2 * half ? one - in : Lanes{};
+        first[0] += wx;
+        first[1] += wy;
+        first[2] += wz;
+        second[0] += wx * x;
+        second[1] += wx * y;
+        second[2] += wx * z;
+        second[3] += wy * y;
+        second[4] += wy * z;
+        second[5] += wz * z;
     }
-    return squared > widest_spread * widest_spread * count ? 0 : support + count;
+    sums->count = simd::sum(count);
+    sums->squared_heights = simd::sum(squared);
+    sums->beside = simd::sum(beside);
+    for (int k = 0; k < 3; ++k)
+        sums->first[k] = simd::sum(first[k]);
+    for (int k = 0; k < 6; ++k)
+        sums->second[k] = simd::sum(second[k]);
 }
 
 class PlaneFinder
@@ -66,12 +89,9 @@ public:
         const int count = std::min(n, most_seeds);
         std::vector<Candidate> candidates(std::size_t(count) * std::size(surroundings));
         parallel_for(
-            candidates.size(), threads, {},
+            std::size_t(count), threads, {},
             [&](std::size_t k)
-            {
-                const auto seed = int(std::int64_t(k / std::size(surroundings)) * n / count);
-                candidates[k] = look_around(seed, surroundings[k % std::size(surroundings)]);
-            },
+            { look_around(int(std::int64_t(k) * n / count), &candidates[k * std::size(surroundings)]); },
             1);
         parallel_for(
             candidates.size(), threads, {},
@@ -95,17 +115,28 @@ public:
     }
 
 private:
-    Candidate look_around(int seed, int count) const
+    /// Writes a candidate for each of the surroundings.
+    void look_around(int seed, Candidate* candidates) const
     {
-        count = std::min(count, int(points_.size()));
-        std::vector<int> around(static_cast<std::size_t>(count));
-        std::vector<double> squared(static_cast<std::size_t>(count));
-        search_.nearest(points_[seed], count, around.data(), squared.data());
+        const int most = std::min(*std::rbegin(surroundings), int(points_.size()));
+        std::vector<int> around(static_cast<std::size_t>(most));
+        std::vector<double> squared(static_cast<std::size_t>(most));
+        search_.nearest(points_[seed], most, around.data(), squared.data());
+        for (std::size_t k = std::size(surroundings); k-- > 0;) // the nearest of those before
+        {
+            around.resize(std::size_t(std::min(surroundings[k], most)));
+            candidates[k] = find_plane(seed, around, std::sqrt(squared[around.size() - 1]));
+        }
+    }
+
+    Candidate find_plane(int seed, const std::vector<int>& around, double radius) const
+    {
+        const PointsOfPlanes fitted(points_, around);
         Candidate best;
         best.seed = points_[seed];
-        best.radius = std::sqrt(squared.back());
-        std::uint64_t random = scramble(std::uint64_t(seed) * 1000 + std::uint64_t(count));
-        const auto draw = [&] { return points_[around[(random = scramble(random)) % std::uint64_t(count)]]; };
+        best.radius = radius;
+        std::uint64_t random = scramble(std::uint64_t(seed) * 1000 + around.size());
+        const auto draw = [&] { return points_[around[(random = scramble(random)) % around.size()]]; };
         for (int k = 0; k < triples; ++k)
         {
             NoisyPlane plane;
@@ -117,10 +148,10 @@ private:
             if (twice < 4 * noise_ * std::max(u.norm(), v.norm()))
                 continue;
             plane.normal /= twice;
-            if (!refit_plane(plane, points_, around, noise_) || !refit_plane(plane, points_, around, noise_))
+            if (!fitted.refit(plane, noise_) || !fitted.refit(plane, noise_))
                 continue;
-            const double support = measure_support(plane, points_, around, noise_);
-            if (support > best.support && is_inside(plane, best.seed, noise_))
+            const double support = fitted.measure_support(plane, noise_);
+            if (support > best.support && std::abs(plane.height(best.seed)) <= slab_half * noise_)
             {
                 best.plane = plane;
                 best.support = support;
@@ -157,9 +188,10 @@ private:
         {
             search_.within(c.seed, radius, around);
             // Twice as wide at first: the rim of what was fitted so far bends away.
-            if (!refit_plane(plane, points_, around, 1.5 * noise_) || !refit_plane(plane, points_, around, noise_))
+            const PointsOfPlanes fitted(points_, around);
+            if (!fitted.refit(plane, 1.5 * noise_) || !fitted.refit(plane, noise_))
                 return;
-            const double support = measure_support(plane, points_, around, noise_);
+            const double support = fitted.measure_support(plane, noise_);
             if (support <= 0.9 * c.support)
                 return;
             c.support = support;
@@ -189,28 +221,53 @@ private:
 
 } // namespace
 
-bool refit_plane(NoisyPlane& plane, const Points& points, const std::vector<int>& around, double noise)
+PointsOfPlanes::PointsOfPlanes(const Points& points, const std::vector<int>& chosen)
+    : size_(simd::padded(int(chosen.size()))), base_(chosen.empty() ? Point::Zero() : points[chosen.front()])
 {
-    Point centre = Point::Zero();
-    double count = 0;
-    for (const int i : around)
-        if (is_inside(plane, points[i], noise))
-        {
-            centre += points[i];
-            ++count;
-        }
-    if (count < 4)
+    for (auto* values : {&x_, &y_, &z_, &is_point_})
+        values->assign(std::size_t(size_), 0);
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+    {
+        const Vector p = points[chosen[i]] - base_;
+        x_[i] = p.x();
+        y_[i] = p.y();
+        z_[i] = p.z();
+        is_point_[i] = 1;
+    }
+}
+
+bool PointsOfPlanes::refit(NoisyPlane& plane, double noise) const
+{
+    SlabSums sums;
+    sum(plane, noise, &sums);
+    if (sums.count < 4)
         return false;
-    centre /= count;
-    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-    for (const int i : around)
-        if (is_inside(plane, points[i], noise))
-            spread += (points[i] - centre) * (points[i] - centre).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread / count);
-    plane.origin = centre;
-    plane.normal = solver.eigenvectors().col(0);
+    const Vector centre = Eigen::Map<const Vector>(sums.first) / sums.count;
+    const auto& [xx, xy, xz, yy, yz, zz] = sums.second;
+    Eigen::Matrix3d spread;
+    spread << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(spread / sums.count - centre * centre.transpose());
+    plane.origin = base_ + centre;
+    const Vector normal = solver.eigenvectors().col(0);
+    plane.normal = normal.dot(plane.normal) < 0 ? Vector(-normal) : normal;
     // On a line or in a blob no plane is told from others.
     return solver.eigenvalues()[1] > 4 * noise * noise;
+}
+
+double PointsOfPlanes::measure_support(const NoisyPlane& plane, double noise) const
+{
+    SlabSums sums;
+    sum(plane, noise, &sums);
+    const bool is_even = sums.squared_heights > widest_spread * widest_spread * noise * noise * sums.count;
+    return is_even ? 0 : sums.count - weight_beside * sums.beside;
+}
+
+void PointsOfPlanes::sum(const NoisyPlane& plane, double noise, SlabSums* sums) const
+{
+    const Vector& n = plane.normal;
+    sum_slab(x_.data(), y_.data(), z_.data(), is_point_.data(), size_, n.x(), n.y(), n.z(), n.dot(plane.origin - base_),
+             slab_half * noise, sums);
 }
 
 std::vector<NoisyPlane> find_noisy_planes(const Points& points, double noise, int threads)
