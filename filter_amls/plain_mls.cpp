@@ -51,9 +51,9 @@ public:
         {
             result.iterations[i] = step;
             const double f = gather(x);
-            result.neighbours[i] = int(found_.size());
             Vector move;
-            if (found_.empty() || !find_step(x, move, normal))
+            result.neighbours[i] = find_step(x, f, move, normal);
+            if (result.neighbours[i] == 0)
                 break;
             const double length = move.norm(), limit = options_.largest_step * f;
             if (!(length <= limit))
@@ -86,108 +86,128 @@ private:
         return step * ratio / (1 - ratio);
     }
 
-    /// Samples within the cut-off and their squared widths. \returns f at x.
+    /// Candidates: what any giver's width may reach. \returns f at x.
     double gather(const Point& x)
     {
         const double f = feature_size_[search_.nearest(x)];
-        const double factor = options_.rho_e * options_.rho_e / root_of_two;
         // Widths vary with the giver; the widest one bounds the search.
-        search_.within(x, options_.cut_off * std::sqrt(factor * f * std::min(largest_feature_, 2.25 * f)), candidates_);
-        found_.clear();
-        inverse_.clear();
-        for (int p : candidates_)
-        {
-            const double squared_width = factor * f * feature_size_[p];
-            if ((x - samples_.points[p]).squaredNorm() <= options_.cut_off * options_.cut_off * squared_width)
-            {
-                found_.push_back(p);
-                inverse_.push_back(1 / squared_width);
-            }
-        }
+        search_.within(x, options_.cut_off * std::sqrt(width_factor() * f * std::min(largest_feature_, 2.25 * f)),
+                       candidates_);
         return f;
     }
 
-    bool find_step(const Point& x, Vector& move, Vector& normal)
+    /// Squared width of a giver and receiver of feature size 1.
+    double width_factor() const { return options_.rho_e * options_.rho_e / root_of_two; }
+
+    /// Calls visit(p, x - p, 1 / squared width, squared distance in widths) for the candidates within the cut-off.
+    /// \returns how many there are.
+    template <class Visit>
+    int visit_samples(const Point& x, double f, const Visit& visit) const
+    {
+        const double inverse_of_receiver = 1 / (width_factor() * f), limit = options_.cut_off * options_.cut_off;
+        int count = 0;
+        for (int p : candidates_)
+        {
+            const Vector u = x - samples_.points[p];
+            const double inverse = inverse_of_receiver / feature_size_[p], t = u.squaredNorm() * inverse;
+            if (t > limit)
+                continue;
+            visit(p, u, inverse, t);
+            ++count;
+        }
+        return count;
+    }
+
+    /// \returns the number of samples that counted; 0: there is no step.
+    int find_step(const Point& x, double f, Vector& move, Vector& normal)
     {
         return options_.surface == PlainSurface::normalised || options_.surface == PlainSurface::plain_n
-                   ? find_newton_step(x, move, normal)
-                   : find_step_along_normal(x, move, normal);
+                   ? find_newton_step(x, f, move, normal)
+                   : find_step_along_normal(x, f, move, normal);
     }
 
     /// Newton's method on N or I = N / W; f at x is taken as locally constant.
-    bool find_newton_step(const Point& x, Vector& move, Vector& normal) const
+    int find_newton_step(const Point& x, double f, Vector& move, Vector& normal) const
     {
         double n = 0, w = 0;
         Vector grad_n = Vector::Zero(), grad_w = Vector::Zero();
-        for (std::size_t k = 0; k < found_.size(); ++k)
-        {
-            const Vector u = x - samples_.points[found_[k]];
-            const Vector& v = samples_.normals[found_[k]];
-            const double theta = std::exp(-u.squaredNorm() * inverse_[k]), d = u.dot(v);
-            const Vector grad_theta = -2 * inverse_[k] * theta * u;
-            n += d * theta;
-            w += theta;
-            grad_n += theta * v + d * grad_theta;
-            grad_w += grad_theta;
-        }
+        const int count = visit_samples(x, f,
+                                        [&](int p, const Vector& u, double inverse, double t)
+                                        {
+                                            const Vector& v = samples_.normals[p];
+                                            const double theta = std::exp(-t), d = u.dot(v);
+                                            const Vector grad_theta = -2 * inverse * theta * u;
+                                            n += d * theta;
+                                            w += theta;
+                                            grad_n += theta * v + d * grad_theta;
+                                            grad_w += grad_theta;
+                                        });
         if (!(w > 0))
-            return false;
+            return 0;
         const double value = options_.surface == PlainSurface::normalised ? n / w : n;
         const Vector gradient =
             options_.surface == PlainSurface::normalised ? Vector((grad_n - value * grad_w) / w) : grad_n;
         const double squared = gradient.squaredNorm();
         if (!(squared > 0))
-            return false;
+            return 0;
         normal = gradient / std::sqrt(squared);
         move = -value / squared * gradient;
-        return true;
+        return count;
     }
 
     /// VMLS (eq. 8.12) and PMLS (eq. 1.2): n(x) first, so two passes per step.
-    bool find_step_along_normal(const Point& x, Vector& move, Vector& normal)
+    int find_step_along_normal(const Point& x, double f, Vector& move, Vector& normal)
     {
-        theta_.resize(found_.size());
+        found_.clear();
         Vector mean = Vector::Zero();
         double w = 0;
-        for (std::size_t k = 0; k < found_.size(); ++k)
-        {
-            theta_[k] = std::exp(-(x - samples_.points[found_[k]]).squaredNorm() * inverse_[k]);
-            mean += theta_[k] * samples_.normals[found_[k]];
-            w += theta_[k];
-        }
+        visit_samples(x, f,
+                      [&](int p, const Vector& u, double inverse, double t)
+                      {
+                          found_.push_back({u, inverse, std::exp(-t)});
+                          mean += found_.back().theta * samples_.normals[p];
+                          w += found_.back().theta;
+                      });
         const double length = mean.norm();
         if (!(length > 0) || !(w > 0))
-            return false;
+            return 0;
         normal = mean / length;
         double g = 0, slope = 0;
-        for (std::size_t k = 0; k < found_.size(); ++k)
+        for (const Weighed& sample : found_)
         {
-            const double d = (x - samples_.points[found_[k]]).dot(normal), t = d * d * inverse_[k];
+            const double d = sample.from.dot(normal), t = d * d * sample.inverse;
             if (options_.surface == PlainSurface::vmls)
             {
-                g += d * theta_[k];
-                slope += theta_[k];
+                g += d * sample.theta;
+                slope += sample.theta;
             }
             else
             {
                 // d/dy of half the sum of d^2 theta along n, and its derivative along n.
-                g += d * theta_[k] * (1 - t);
-                slope += theta_[k] * (1 - 5 * t + 2 * t * t);
+                g += d * sample.theta * (1 - t);
+                slope += sample.theta * (1 - 5 * t + 2 * t * t);
             }
         }
         if (slope == 0)
-            return false;
+            return 0;
         move = -g / slope * normal;
-        return true;
+        return int(found_.size());
     }
+
+    /// A sample that counts: its way to x, 1 / squared width and weight.
+    struct Weighed
+    {
+        Vector from;
+        double inverse, theta;
+    };
 
     const OrientedSamples& samples_;
     const std::vector<double>& feature_size_;
     const NeighbourSearch& search_;
     double largest_feature_;
     const PlainMlsOptions& options_;
-    std::vector<int> candidates_, found_;
-    std::vector<double> inverse_, theta_;
+    std::vector<int> candidates_;
+    std::vector<Weighed> found_;
 };
 
 } // namespace
