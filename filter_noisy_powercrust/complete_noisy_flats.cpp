@@ -27,6 +27,8 @@ constexpr double replaced_within = 3.5;
 constexpr double least_walled = 0.5;
 /// Mean cosine of normals around a rim with that of the face above which they tell its outer side.
 constexpr double agreeing = 0.1;
+/// Cosine between the normals of planes that are the same if a place lies in both.
+constexpr double parallel = 0.99;
 /// Share of a rim above which larger faces account for it.
 constexpr double explained = 0.7;
 
@@ -52,18 +54,11 @@ public:
         {
             if (is_explained(entry.face, found.rims))
                 continue;
-            const bool is_sure = turn_outward(entry, found.rims, way_out);
-            bool is_face = raise_walls(entry, found.rims, is_sure);
-            // Else solid is where walls are.
-            if (!is_face && !is_sure)
-            {
-                turn(entry, found.rims);
-                is_face = raise_walls(entry, found.rims, false);
-            }
-            if (!is_face)
+            if (!turn_outward(entry, found.rims, way_out) || !raise_walls(entry, found.rims))
                 continue;
             for (const int v : entry.face.rim)
                 placed_.push_back(found.rims[v]);
+            planes_.push_back({entry.face.origin, entry.face.normal});
             faces.push_back(std::move(entry.face));
         }
         for (std::size_t v = 0; v < found.rims.size(); ++v)
@@ -84,7 +79,47 @@ public:
         return std::move(result_);
     }
 
+    /// Planes parallel to a face, in which none lies, where walls end that fall off from it.
+    std::vector<NoisyPlane> list_planes_at_wall_ends(const NoisyFaces& found)
+    {
+        std::vector<NoisyPlane> known, result;
+        for (const FlatFace& face : found.faces)
+            known.push_back({face.origin, face.normal});
+        for (const WalledFace& entry : list_walled(found))
+        {
+            const double outline = find_outline(entry.loops);
+            double solid = 0; // is where the outline's wall is
+            for (std::size_t k = 0; k < entry.loops.size(); ++k)
+                if (entry.loops[k].box == outline)
+                    solid = entry.walls[k].side;
+            for (std::size_t k = 0; k < entry.loops.size(); ++k)
+            {
+                const RimWall& wall = entry.walls[k];
+                if (wall.side == 0 || wall.side != solid || !wall.steps.empty())
+                    continue;
+                const Point& foot = found.rims[entry.loops[k].rim.front()];
+                const NoisyPlane plane{foot + wall.side * wall.height * entry.face.normal, entry.face.normal};
+                if (is_among(plane, known))
+                    continue;
+                known.push_back(plane);
+                result.push_back(plane);
+            }
+        }
+        return result;
+    }
+
 private:
+    /// Whether one of the planes is parallel and holds the plane's origin.
+    bool is_among(const NoisyPlane& plane, const std::vector<NoisyPlane>& planes) const
+    {
+        return std::any_of(planes.begin(), planes.end(),
+                           [&](const NoisyPlane& other)
+                           {
+                               return std::abs(other.normal.dot(plane.normal)) > parallel &&
+                                      std::abs(other.height(plane.origin)) < slab_half * noise_;
+                           });
+    }
+
     /// A face, its rims, and the wall along each.
     struct WalledFace
     {
@@ -171,7 +206,8 @@ private:
     }
 
     /// By where straight lines get away; else by what the denoised samples around the rims say together: each alone
-    /// knows little, and beyond bare walls all may be wrong. \returns whether one of these tells.
+    /// knows little, and beyond bare walls all may be wrong. \returns whether one of these tells; where none does the
+    /// plane is a cut through a body whose samples lie in rows.
     bool turn_outward(WalledFace& entry, const Points& rims, const WayOut& way_out)
     {
         std::vector<double> spacings;
@@ -196,15 +232,13 @@ private:
         find_walls(entry, rims);
     }
 
-    /// \param is_sure whether the outside is known. Then walls that rise over the outline of a face count as well, as
-    /// over the ground of a pocket, if bores show the solid below; a disc may be the end of a void as well as of a
-    /// solid. \returns whether most of the face's rim has walls, so that it is a face.
-    bool raise_walls(WalledFace& entry, const Points& rims, bool is_sure)
+    /// \returns whether most of the face's rim has walls, so that it is a face.
+    bool raise_walls(WalledFace& entry, const Points& rims)
     {
         const FlatFace& face = entry.face;
         const std::vector<RimLoop>& loops = entry.loops;
         std::vector<RimWall>& walls = entry.walls;
-        if (!is_bounded(entry, is_sure))
+        if (!is_bounded(entry))
             return false;
         const double depth = find_depth(walls);
         // Above a known opposite face it is enough that most points of a rim have some there.
@@ -216,23 +250,28 @@ private:
             }
         for (const int v : face.rim)
             rim_normals_[v] += face.normal;
+        // A face that has its place there already is larger and knows better.
+        const bool has_base =
+            depth > 0 && !is_among({rims[face.rim.front()] - depth * face.normal, face.normal}, planes_);
         std::vector<char> is_base(rims.size(), 0);
         for (std::size_t k = 0; k < loops.size(); ++k)
             if (walls[k].height > 0)
             {
                 const bool ends_at_base =
-                    depth > 0 && walls[k].side < 0 && walls[k].steps.empty() && walls_.is_level(walls[k], depth);
+                    has_base && walls[k].side < 0 && walls[k].steps.empty() && walls_.is_level(walls[k], depth);
                 append_wall(face, loops[k], walls[k], rims, ends_at_base);
                 if (ends_at_base)
                     for (const int v : loops[k].rim)
                         is_base[v] = 1;
             }
-        if (depth > 0)
+        if (has_base)
             append_base(face, depth, rims, is_base);
         return true;
     }
 
-    static bool is_bounded(const WalledFace& entry, bool is_sure)
+    /// Walls that rise over the outline of a face count as well, as over the ground of a pocket, if bores show the
+    /// solid below; a disc may be the end of a void as well as of a solid.
+    static bool is_bounded(const WalledFace& entry)
     {
         const double outline = find_outline(entry.loops);
         bool is_bored = false;
@@ -245,7 +284,7 @@ private:
             below += wall.side < 0 ? wall.length : 0;
             above += wall.side > 0 ? wall.length : 0;
         }
-        return below + (is_sure && is_bored ? above : 0) >= least_walled * length;
+        return below + (is_bored ? above : 0) >= least_walled * length;
     }
 
     /// Where the opposite face lies, as of a prism: the height of the walls along most of the rim; 0 if these differ.
@@ -340,8 +379,9 @@ private:
     WallFinder walls_;
     NeighbourSearch sample_search_;
     std::vector<int> near_;
-    Vectors rim_normals_; ///< Sums over what meets at each rim sample.
-    Points placed_;       ///< On rims and walls so far.
+    std::vector<NoisyPlane> planes_; ///< Of the faces so far.
+    Vectors rim_normals_;            ///< Sums over what meets at each rim sample.
+    Points placed_;                  ///< On rims and walls so far.
     Points wall_points_;
     Vectors wall_normals_;
     std::vector<double> wall_radii_;
@@ -354,10 +394,13 @@ private:
 NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const Points& samples,
                                          const Vectors& normals, int threads, const Progress& progress)
 {
-    const NoisyFaces found = find_noisy_faces(points, noise, threads, progress);
+    NoisyFaces found = find_noisy_faces(points, noise, threads, progress);
     if (found.faces.empty())
         return {};
-    return NoisyFlatCompleter(points, noise, samples, normals).complete(found);
+    NoisyFlatCompleter completer(points, noise, samples, normals);
+    // A bevel or a fillet beside it hides the plane on the other side of a plate; the bores through it end there.
+    append(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, threads), found);
+    return completer.complete(found);
 }
 
 } // namespace recon

@@ -1,7 +1,6 @@
 #include "noisy_faces.h"
 
 #include "keep_apart.h"
-#include "noisy_planes.h"
 #include "planar_faces.h"
 
 #include <recon/block_search.h>
@@ -84,7 +83,11 @@ public:
 
     NoisyFaces find(int threads, const Progress& progress) const
     {
-        const std::vector<NoisyPlane> planes = find_noisy_planes(points_, noise_, threads);
+        return find_on(find_noisy_planes(points_, noise_, threads), threads, progress);
+    }
+
+    NoisyFaces find_on(const std::vector<NoisyPlane>& planes, int threads, const Progress& progress) const
+    {
         std::vector<NoisyFaces> of_plane(planes.size());
         parallel_for(
             planes.size(), threads, progress, [&](std::size_t k) { of_plane[k] = find_on(planes[k]); }, 1);
@@ -331,21 +334,6 @@ private:
         return result;
     }
 
-    static void append(NoisyFaces&& more, NoisyFaces& all)
-    {
-        const int before = int(all.rims.size());
-        all.rims.insert(all.rims.end(), more.rims.begin(), more.rims.end());
-        for (FlatFace& face : more.faces)
-        {
-            for (auto& t : face.triangles)
-                for (int& v : t)
-                    v += before;
-            for (int& v : face.rim)
-                v += before;
-            all.faces.push_back(std::move(face));
-        }
-    }
-
     /// Fits a face's plane to the points around its rims alone, and puts these on it. \returns whether they lie in it
     /// but for noise; in any slab through a body they fill it evenly.
     bool settle(FlatFace& face, Points& rims) const
@@ -424,6 +412,26 @@ private:
 };
 
 } // namespace
+
+void append(NoisyFaces&& more, NoisyFaces& all)
+{
+    const int before = int(all.rims.size());
+    all.rims.insert(all.rims.end(), more.rims.begin(), more.rims.end());
+    for (FlatFace& face : more.faces)
+    {
+        for (auto& t : face.triangles)
+            for (int& v : t)
+                v += before;
+        for (int& v : face.rim)
+            v += before;
+        all.faces.push_back(std::move(face));
+    }
+}
+
+NoisyFaces find_noisy_faces_on(const Points& points, const std::vector<NoisyPlane>& planes, double noise, int threads)
+{
+    return NoisyFaceFinder(points, noise).find_on(planes, threads, {});
+}
 
 NoisyFaces find_noisy_faces(const Points& points, double noise, int threads, const Progress& progress)
 {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "flat_faces.h"
+#include "noisy_planes.h"
 
 namespace recon
 {
@@ -16,5 +17,11 @@ struct NoisyFaces
 /// is told from another, so that no surface fitted there can do it. \param points distinct, in spatial order, of unit
 /// scale. \param noise standard deviation > 0. \throws Cancelled.
 NoisyFaces find_noisy_faces(const Points& points, double noise, int threads, const Progress& progress = {});
+
+/// The same in planes that are known. \throws Cancelled.
+NoisyFaces find_noisy_faces_on(const Points& points, const std::vector<NoisyPlane>& planes, double noise, int threads);
+
+/// Adds the faces of `more` and their rims to `all`.
+void append(NoisyFaces&& more, NoisyFaces& all);
 
 } // namespace recon

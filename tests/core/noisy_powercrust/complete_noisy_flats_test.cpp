@@ -213,6 +213,52 @@ TEST(CompleteNoisyFlats, FacesThatTheSamplesObjectToAreDropped)
     EXPECT_NEAR(report.volume / (0.44 * 0.4), 1, 0.1);
 }
 
+TEST(CompleteNoisyFlats, CutsThroughAChannelAreNoFaces)
+{
+    const Points points =
+        prism({{0, 0}, {1, 0}, {1, 0.8}, {0.8, 0.8}, {0.8, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {0, 0.8}}, 0.4, 0.03);
+    for (const unsigned seed : {70u, 72u, 75u})
+    {
+        const checks::MeshReport report =
+            checks::examine_mesh(reconstruct_noisy_power_crust(shapes::with_noisy_copies(points, noise, 4, seed)).mesh);
+        EXPECT_EQ(report.genus(), 0) << seed;
+        EXPECT_NEAR(report.volume / (0.44 * 0.4), 1, 0.03) << seed;
+    }
+}
+
+TEST(CompleteNoisyFlats, BoresLeadToTheFaceBehindBevelAndFillet)
+{
+    // A flange on a neck: in the slab of its back are the fillet's rings as well, beside it those of the bevel.
+    constexpr double bevel = 4.2 * noise, neck = 0.25;
+    Points points;
+    for (const double z : {0.0, thickness})
+        for (int k = 0; k < bores; ++k)
+            append_ring(points, 0.33 * std::cos(pi / 2 * k), 0.33 * std::sin(pi / 2 * k), z, bore, 18);
+    append_ring(points, 0, 0, thickness, outer, 150);
+    append_ring(points, 0, 0, bevel, outer, 150);
+    append_ring(points, 0, 0, 0, outer - bevel, 150);
+    append_ring(points, 0, 0, thickness, hub, 70);
+    append_ring(points, 0, 0, 0, neck + 20 * noise, 120);
+    for (const double fall : {4.2, 6.0, 9.0})
+        append_ring(points, 0, 0, -fall * noise, neck + (20 - 2 * fall) * noise, 300);
+    for (double z = 0.04; z < 0.21; z += 0.02)
+        append_ring(points, 0, 0, -z, neck, 90);
+    append_ring(points, 0, 0, -0.2, hub, 70);
+    const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(points, noise, 4, 11));
+    int on_back = 0, downward = 0;
+    for (std::size_t i = 0; i < flats.points.size(); ++i)
+    {
+        const double radius = flats.points[i].head<2>().norm();
+        if (std::abs(flats.points[i].z()) < 2 * noise && radius > neck + 24 * noise && radius < outer - 2 * bevel)
+        {
+            ++on_back;
+            downward += flats.normals[i].z() < -0.9;
+        }
+    }
+    EXPECT_GT(downward, 200);
+    EXPECT_GT(downward, 0.7 * on_back); // the others stand in the walls of bores
+}
+
 TEST(CompleteNoisyFlats, SamplesNearTheNewOnesGiveWay)
 {
     const PreparedSamples cloud = prepare(shapes::with_noisy_copies(flange(), noise, 4, 2));
