@@ -217,8 +217,9 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     crust.threads = labelling.threads;
     DroppedBodies dropped;
     result.mesh = make_crust(found->labelled, crust, progress.part(0.75, 0.85, "crust"), &dropped);
-    if (const std::string text = describe(dropped); !text.empty())
-        result.warnings.push_back(text);
+    for (const std::string& text : {describe(dropped), describe_violation(result.violated_votes)})
+        if (!text.empty())
+            result.warnings.push_back(text);
     found->frame.from_unit_in_place(result.mesh.vertices);
     std::vector<char> is_on_surface(result.mesh.vertices.size(), 0);
     if (!is_exact)

@@ -34,9 +34,6 @@ void check(const NoisyPowerCrustOptions& options)
         throw InvalidInput("deep_intersection must lie between 0 (weighed in samples) and 1.");
 }
 
-/// Above this share of violated votes right results were rare in trials.
-constexpr double safe_violation = 0.05;
-
 std::string percent(double share)
 {
     return std::to_string(int(std::lround(100 * share)));
@@ -60,11 +57,8 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
                                "reconstruct them apart from what lies behind."));
     if (const std::string text = describe(dropped); !text.empty())
         result.warnings.push_back(text);
-    if (result.violated_votes > safe_violation)
-        result.warnings.push_back("The points contradict the surface in " + percent(result.violated_votes) +
-                                  " % of their votes: parts are probably missing or filled. Walls may be thinner than "
-                                  "the spacing or the noise of the "
-                                  "points; look at the result, and scan such parts more densely.");
+    if (const std::string text = describe_violation(result.violated_votes); !text.empty())
+        result.warnings.push_back(text);
 }
 
 } // namespace

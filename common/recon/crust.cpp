@@ -30,6 +30,11 @@ std::vector<double> list_scales(const CrustPolygons& polygons, const LabelledBal
 /// Where the crust is coarser than the samples, a vertex without a seat is as far from one [scale].
 constexpr double farthest_from_seat = 2;
 
+std::string percent(double share)
+{
+    return std::to_string(int(std::lround(100 * share)));
+}
+
 TriangleMesh simplify(CrustPolygons polygons, const LabelledBalls& labelled, const CrustOptions& options,
                       const Progress& progress)
 {
@@ -104,8 +109,18 @@ std::string describe(const DroppedBodies& dropped)
     if (dropped.volume < worth_a_word)
         return {};
     return std::to_string(dropped.count) + (dropped.count == 1 ? " other body was" : " other bodies were") +
-           " left out, with " + std::to_string(int(std::lround(100 * dropped.volume))) +
+           " left out, with " + percent(dropped.volume) +
            " % of the volume of the largest. To keep all, set keep_components to all.";
+}
+
+std::string describe_violation(double violated_votes)
+{
+    constexpr double safe = 0.05; // above, right results were rare in trials
+    if (violated_votes <= safe)
+        return {};
+    return "The points contradict the surface in " + percent(violated_votes) +
+           " % of their votes: parts are probably missing or filled. Walls may be thinner than the spacing or the "
+           "noise of the points; look at the result, and scan such parts more densely.";
 }
 
 } // namespace recon

@@ -34,5 +34,7 @@ TriangleMesh make_crust(CrustPolygons polygons, const LabelledBalls& labelled, c
 
 /// What a user should know of it, empty if that is nothing.
 std::string describe(const DroppedBodies& dropped);
+/// The same of the share of the samples' votes that a crust contradicts [0..1].
+std::string describe_violation(double violated_votes);
 
 } // namespace recon

@@ -179,6 +179,24 @@ TEST(ReconstructAmls, SaysThatWallsSeemFilledButNotOfAnOpenScan)
     EXPECT_FALSE(says_so(scan));
 }
 
+TEST(ReconstructAmls, SaysThatThePointsContradictTheSurface)
+{
+    const auto says_so = [](const Points& points)
+    {
+        const AmlsReconstruction result = reconstruct_amls(points);
+        const bool found = std::any_of(result.warnings.begin(), result.warnings.end(),
+                                       [](const std::string& text)
+                                       { return text.find("contradict the surface") != std::string::npos; });
+        EXPECT_EQ(found, result.violated_votes > 0.05) << result.violated_votes;
+        return found;
+    };
+    Points curve; // bounds nothing
+    for (int i = 0; i < 3000; ++i)
+        curve.emplace_back(std::cos(4 * pi * i / 3000), std::sin(4 * pi * i / 3000), 0.4 * pi * i / 3000);
+    EXPECT_TRUE(says_so(shapes::with_noise(curve, 0.005, 2)));
+    EXPECT_FALSE(says_so(shapes::with_noise(shapes::torus(4000, 1, 0.4, 1).points, 0.02, 2)));
+}
+
 TEST(ReconstructAmls, WhatClosesACupWithAWavyRimIsDrawnTaut)
 {
     const double height = 1.2;
