@@ -8,6 +8,7 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -386,6 +387,25 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     if (has_bare_flats)
         return first;
     return attempts.back_lost_sheets(std::move(first), progress.part(0.9, 1, "lost sheets"));
+}
+
+std::string describe_lost_sheets(double share, int backs, Denoise denoise, std::size_t points)
+{
+    if (share <= 0)
+        return {};
+    std::string text = std::to_string(int(std::lround(100 * share))) +
+                       " % of the samples are of sheets that have no inside, as of a scan from one side only. ";
+    if (backs > 0)
+        return text + "They were given a back, three spacings behind the points.";
+    text += "They came out as lace: to see them whole, ";
+    const bool is_off = denoise == Denoise::off, has_too_many = points > most_points_twice;
+    if (is_off)
+        text += "set denoise to automatic or on";
+    if (has_too_many)
+        text += std::string(is_off ? " and " : "") + "thin the points to a million, above which no back is tried";
+    if (is_off || has_too_many)
+        text += ", or ";
+    return text + "select their points and reconstruct them apart from the rest (selected_only).";
 }
 
 } // namespace recon

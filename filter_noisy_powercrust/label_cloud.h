@@ -6,6 +6,9 @@
 #include <recon/labelled_balls.h>
 #include <recon/progress.h>
 
+#include <cstddef>
+#include <string>
+
 namespace recon
 {
 
@@ -16,5 +19,10 @@ namespace recon
 /// the denoised cloud with backs behind the sheets. \param labelling with lengths in input units.
 LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
                           const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress = {});
+
+/// What to tell users of sheets without an inside, empty if there are none. \param share of the samples in them, in a
+/// crust with handles [0..1]. \param backs samples put behind them [count]. \param denoise, points what label_cloud()
+/// was asked, on which it depends whether a back was tried.
+std::string describe_lost_sheets(double share, int backs, Denoise denoise, std::size_t points);
 
 } // namespace recon

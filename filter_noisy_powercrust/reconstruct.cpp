@@ -34,12 +34,8 @@ void check(const NoisyPowerCrustOptions& options)
         throw InvalidInput("deep_intersection must lie between 0 (weighed in samples) and 1.");
 }
 
-std::string percent(double share)
-{
-    return std::to_string(int(std::lround(100 * share)));
-}
-
-void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledCloud& found)
+void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledCloud& found, Denoise denoise,
+          std::size_t points)
 {
     if (found.lost_walls)
         result.warnings.push_back(std::string(lost_walls_text) +
@@ -48,13 +44,8 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
         result.warnings.push_back("Walls are hardly thicker than the noise or the spacing. What they hold was left "
                                   "hollow, since the points object to filling it; the walls may have holes. Scan them "
                                   "more densely.");
-    if (found.lost_sheets > 0)
-        result.warnings.push_back(
-            percent(found.lost_sheets) +
-            " % of the samples are of sheets that have no inside, as of a scan from one side only. " +
-            (found.backs > 0 ? "They were given a back, three spacings behind the points."
-                             : "They came out as lace: to see them whole, set denoise to automatic or on, or "
-                               "reconstruct them apart from what lies behind."));
+    if (const std::string text = describe_lost_sheets(found.lost_sheets, found.backs, denoise, points); !text.empty())
+        result.warnings.push_back(text);
     if (const std::string text = describe(dropped); !text.empty())
         result.warnings.push_back(text);
     if (const std::string text = describe_violation(result.violated_votes); !text.empty())
@@ -156,7 +147,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.euler_characteristic = topology.euler_characteristic;
     result.genus = topology.genus();
     frame.from_unit_in_place(mesh.vertices);
-    warn(result, dropped, found);
+    warn(result, dropped, found, options.denoise, points.size());
     times.end();
     result.seconds = times.seconds();
     return result;

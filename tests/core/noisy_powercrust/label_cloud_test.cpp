@@ -1,3 +1,4 @@
+#include "filter_noisy_powercrust/label_cloud.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
 #include "flat_shapes.h"
@@ -170,6 +171,22 @@ TEST(NoisyPowerCrust, AnOpenSceneIsNoLostWall)
     EXPECT_FALSE(says(crust, "left hollow"));
     EXPECT_TRUE(says(crust, "given a back"));
     EXPECT_LT(crust.violated_votes, 0.05); // 0.39 without backs
+}
+
+TEST(DescribeLostSheets, AdvisesWhatHasNotBeenTried)
+{
+    const auto has = [](const std::string& text, const char* words) { return text.find(words) != std::string::npos; };
+    EXPECT_TRUE(describe_lost_sheets(0, 0, Denoise::off, 1000).empty());
+    EXPECT_TRUE(has(describe_lost_sheets(0.2, 5, Denoise::automatic, 1000), "given a back"));
+    for (const Denoise denoise : {Denoise::automatic, Denoise::on, Denoise::off})
+        for (const std::size_t points : {1000, 2'000'000})
+        {
+            const std::string text = describe_lost_sheets(0.2, 0, denoise, points);
+            EXPECT_TRUE(has(text, "20 % of the samples")) << text;
+            EXPECT_TRUE(has(text, "selected_only")) << text;
+            EXPECT_EQ(has(text, "set denoise"), denoise == Denoise::off) << text;
+            EXPECT_EQ(has(text, "thin the points"), points > 1'000'000) << text;
+        }
 }
 
 // Walls of one spacing, with noise of a fifth of it: chance has a say.
