@@ -56,7 +56,8 @@ constexpr double clearly_fewer = 0.65;
 
 // Sheets that have the outside on both sides: backs behind them.
 /// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample or
-/// is flooded; with the backs at most this share of the handles, or else of the violated votes, may be left.
+/// is flooded; with the backs at most this share of the handles, or no more of them but this share of the violated
+/// votes, may be left; of a flooded crust the votes alone count.
 constexpr double bearable_lost = 0.02, bearable_handles = 2e-4, whole_again = 0.5;
 
 /// Above this number of points two attempts are not kept side by side [count].
@@ -198,8 +199,10 @@ public:
         LabelledCloud slabs = label(std::move(backed), false, progress.part(0.5, 1, "backs of sheets"));
         slabs.backs = backs;
         slabs.lost_sheets = lost.share;
-        const bool is_better = is_lace ? measure_closed_topology(extract(slabs)).genus() <= whole_again * handles
-                                       : slabs.labelled.violated_votes <= whole_again * violated;
+        const bool has_fewer_violated = slabs.labelled.violated_votes <= whole_again * violated;
+        const double most_handles = has_fewer_violated ? handles : whole_again * handles;
+        const bool is_better =
+            is_lace ? measure_closed_topology(extract(slabs)).genus() <= most_handles : has_fewer_violated;
         return is_better ? std::move(slabs) : std::move(found);
     }
 
