@@ -105,12 +105,12 @@ TriangleMesh make_crust(CrustPolygons polygons, const LabelledBalls& labelled, c
 
 std::string describe(const DroppedBodies& dropped)
 {
-    constexpr double worth_a_word = 0.05;
-    if (dropped.volume < worth_a_word)
+    constexpr double volume_worth_a_word = 0.05, samples_worth_a_word = 0.02;
+    if (dropped.volume < volume_worth_a_word && dropped.samples < samples_worth_a_word)
         return {};
     return std::to_string(dropped.count) + (dropped.count == 1 ? " other body was" : " other bodies were") +
-           " left out, with " + percent(dropped.volume) +
-           " % of the volume of the largest. To keep all, set keep_components to all.";
+           " left out, with " + percent(dropped.volume) + " % of the volume of the largest and " +
+           percent(dropped.samples) + " % of the samples. To keep all, set keep_components to all.";
 }
 
 std::string describe_violation(double violated_votes)

@@ -246,7 +246,7 @@ std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& kee
 
 DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double spacing)
 {
-    constexpr double smallest_body = 0.01, smallest_share_of_triangles = 0.05, full = 1.5;
+    constexpr double smallest_body = 0.01, fewest_samples = 0.02, smallest_share_of_triangles = 0.05, full = 1.5;
     DroppedBodies dropped;
     const MeshComponents components = find_components(mesh);
     if (kept == KeepComponents::all || components.count < 2)
@@ -282,10 +282,12 @@ DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double sp
     for (int component = 0; component < components.count; ++component)
     {
         const double share = volume[component] / volume[largest]; // of a hollow negative
-        if (is_kept(component) || !(share >= smallest_body))
+        const double samples = double(triangles[component]) / double(components.of_triangle.size());
+        if (is_kept(component) || !(share >= smallest_body || (share > 0 && samples >= fewest_samples)))
             continue;
         ++dropped.count;
         dropped.volume += share;
+        dropped.samples += samples;
     }
     return dropped;
 }

@@ -50,11 +50,13 @@ enum class KeepComponents
               ///< of real scenes have 0.11, a ball of 4,000 samples in a room 0.0499 and 2.9). Hollows count as bodies.
 };
 
-/// Bodies that were left out and enclose a hundredth of the volume of the largest, or more; hollows do not count.
+/// Bodies that were left out and enclose a hundredth of the volume of the largest, or more, or hold a fiftieth of the
+/// samples; hollows do not count.
 struct DroppedBodies
 {
     int count = 0;
-    double volume = 0; ///< In volumes of the largest.
+    double volume = 0;  ///< In volumes of the largest.
+    double samples = 0; ///< Share of all, told from the triangles [0..1].
 };
 
 /// Removes the other components, and the vertices that only they use. \param spacing root of the area per sample, at

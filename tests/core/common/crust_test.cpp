@@ -1,5 +1,6 @@
 #include <recon/ball_attraction.h>
 #include <recon/collapse_edges.h>
+#include <recon/crust.h>
 #include <recon/crust_mesh.h>
 #include <recon/crust_repair.h>
 #include <recon/delaunay.h>
@@ -322,6 +323,33 @@ TEST(DropComponents, AutomaticKeepsWhatHoldsATwentiethOfTheTriangles)
         const DroppedBodies dropped = drop_components(mesh, KeepComponents::automatic, 1);
         EXPECT_EQ(find_components(mesh).count, kept);
         EXPECT_EQ(dropped.count, 2 - kept);
+    }
+}
+
+// A small body that many points lie on is missed, a stray shell is not.
+TEST(DropComponents, CountsWhatHoldsAFiftiethOfTheTriangles)
+{
+    const std::vector<std::array<int, 3>> faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    const auto append_tetrahedra = [&](TriangleMesh& mesh, int count, double size, double x)
+    {
+        // Upon one another, as one component.
+        const int base = int(mesh.vertices.size());
+        for (const Point& p : {Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)})
+            mesh.vertices.push_back(size * p + Point(x, 0, 0));
+        for (int k = 0; k < count; ++k)
+            for (const auto& f : faces)
+                mesh.triangles.push_back({f[0] + base, f[1] + base, f[2] + base});
+    };
+    for (const auto& [inside, counted] : {std::pair{1, 0}, std::pair{3, 1}})
+    {
+        TriangleMesh mesh;
+        append_tetrahedra(mesh, 100, 1, 0);
+        append_tetrahedra(mesh, inside, 0.1, 4);
+        const DroppedBodies dropped = drop_components(mesh, KeepComponents::automatic, 1);
+        EXPECT_EQ(find_components(mesh).count, 1);
+        EXPECT_EQ(dropped.count, counted);
+        EXPECT_NEAR(dropped.samples, counted * 3.0 / 103, 1e-9);
+        EXPECT_EQ(describe(dropped).empty(), counted == 0);
     }
 }
 

@@ -263,6 +263,19 @@ TEST(NoisyPowerCrust, KeepsAFullBodyOfFewSamples)
     EXPECT_EQ(reconstruct_noisy_power_crust(points).components, 2);
 }
 
+TEST(NoisyPowerCrust, SaysThatASmallBodyOfManySamplesWasLeftOut)
+{
+    for (const auto& [samples, said] : {std::pair{30, 0u}, std::pair{120, 1u}})
+    {
+        Points points = shapes::sphere(3000, 1, 5).points;
+        for (const Point& p : shapes::sphere(samples, 0.12, 6).points)
+            points.push_back(p + Point(4, 0, 0));
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        EXPECT_EQ(crust.components, 1);
+        EXPECT_EQ(crust.warnings.size(), said);
+    }
+}
+
 TEST(NoisyPowerCrust, KeepsStrayShellsOnlyWhenAsked)
 {
     Points points = shapes::sphere(3000, 1, 5).points;
