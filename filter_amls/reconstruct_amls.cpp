@@ -5,6 +5,7 @@
 #include "smooth_mesh.h"
 #include "surface_data.h"
 
+#include <recon/back_sheets.h>
 #include <recon/block_search.h>
 #include <recon/cleanness.h>
 #include <recon/crust_mesh.h>
@@ -73,6 +74,7 @@ struct LabelledSamples
     Points samples;
     LabelledBalls labelled;
     std::vector<int> claimed = {}; ///< Input points that the surface claims, if not exact.
+    int backs = 0;                 ///< The last so many samples lie behind the ground of a scene.
 };
 
 /// Samples of the surface, labelled with its normals.
@@ -90,9 +92,13 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     // Not that of all points: one at the origin of a far coordinate system leaves the others a millionth of it.
     const UnitFrame frame(outliers > 0 ? sampled.samples.points : points);
     Points samples = frame.to_unit(sampled.samples.points);
+    Vectors& normals = sampled.samples.normals;
+    LostSheets ground;
+    const bool has_ground = surface.report().open && add_ground(samples, normals, ground);
+    const int backs = has_ground ? back_sheets(ground, samples, normals, labelling.threads) : 0;
     LabelledBalls labelled =
-        label_polar_balls(samples, sampled.samples.normals, labelling, times, progress.part(0.2, 1, "polar balls"));
-    return {frame, std::move(samples), std::move(labelled), std::move(sampled.claimed)};
+        label_polar_balls(samples, normals, labelling, times, progress.part(0.2, 1, "polar balls"));
+    return {frame, std::move(samples), std::move(labelled), std::move(sampled.claimed), backs};
 }
 
 /// Of the surface at the points, outward.
@@ -176,7 +182,7 @@ void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, std::vect
     Points samples = found.samples;
     found.frame.from_unit_in_place(samples);
     std::vector<char> left;
-    for (const int former : open_holes(mesh, samples, 0, threads, progress))
+    for (const int former : open_holes(mesh, samples, found.backs, threads, progress))
         left.push_back(is_on_surface[former]);
     is_on_surface = std::move(left);
 }
@@ -206,13 +212,13 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const bool is_exact = found.has_value();
     if (!is_exact)
         found = label_surface(points, surface, labelling, times, result.outliers, progress.part(0.5, 0.75));
-    result.samples = int(found->samples.size());
+    result.samples = int(found->samples.size()) - found->backs;
     result.violated_votes = found->labelled.violated_votes;
     times.begin("crust");
     CrustOptions crust;
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
-    crust.target_vertices = result.samples;
+    crust.target_vertices = int(found->samples.size());
     crust.interpolated = &found->samples;
     crust.threads = labelling.threads;
     DroppedBodies dropped;

@@ -17,7 +17,7 @@ struct AmlsOptions
     double rho_e = 0; ///< Gaussian width [local feature size], >= 0. 0 = automatic from noise, spacing and curvature.
     double noise = 0; ///< Standard deviation of the noise [length], >= 0. 0 = estimate, locally.
     /// Outside of an open level sheet is above it. Else it is where big balls say, so that fewer samples contradict a
-    /// crust, which has to close the sheet.
+    /// crust, which has to close the sheet. A ground faces what stands on it either way, see find_ground().
     bool terrain_faces_up = true;
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };

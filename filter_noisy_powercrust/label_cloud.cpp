@@ -1,9 +1,10 @@
 #include "label_cloud.h"
 
-#include "back_sheets.h"
 #include "lids.h"
 
+#include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
+#include <recon/level_sheet.h>
 #include <recon/mismatch.h>
 #include <recon/parallel.h>
 
@@ -175,12 +176,13 @@ public:
         // Where lids were opened the poles were sought along normals that have been turned since.
         LostSheets lost =
             find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
+        const bool has_ground = lost.share <= bearable_lost && add_ground(found.cloud, lost);
         if (lost.share <= bearable_lost || found.completed > 0)
             return found;
         const double handles = measure_closed_topology(extract(found)).genus(),
                      violated = found.labelled.violated_votes;
         const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
-        if (!is_lace && violated <= flooded_above)
+        if (!is_lace && violated <= flooded_above && !has_ground)
             return found;
         if (is_lace)
             found.lost_sheets = lost.share;
@@ -201,12 +203,19 @@ public:
         slabs.lost_sheets = lost.share;
         const bool has_fewer_violated = slabs.labelled.violated_votes <= whole_again * violated;
         const double most_handles = has_fewer_violated ? handles : whole_again * handles;
-        const bool is_better =
-            is_lace ? measure_closed_topology(extract(slabs)).genus() <= most_handles : has_fewer_violated;
+        // Between a ground's samples are cracks rather than handles.
+        const bool is_better = is_lace && !has_ground ? measure_closed_topology(extract(slabs)).genus() <= most_handles
+                                                      : has_fewer_violated;
         return is_better ? std::move(slabs) : std::move(found);
     }
 
 private:
+    /// The ground of a scene is such a sheet, whatever the balls between its samples are called.
+    static bool add_ground(const PreparedSamples& cloud, LostSheets& lost)
+    {
+        return cloud.denoised && cloud.surface->report().open && recon::add_ground(cloud.samples, cloud.normals, lost);
+    }
+
     TriangleMesh extract(LabelledCloud& found)
     {
         times_.begin("mismatch");

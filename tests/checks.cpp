@@ -1,6 +1,9 @@
 #include "checks.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <sstream>
@@ -132,6 +135,24 @@ std::string MeshReport::text() const
         << (vertex_manifold ? "" : ", vertices NOT MANIFOLD") << (consistently_oriented ? "" : ", NOT ORIENTED")
         << (finite ? "" : ", NOT FINITE") << ", degenerate " << degenerate_triangles << ", volume " << volume;
     return out.str();
+}
+
+SceneReport examine_ball_on_a_ground(const recon::TriangleMesh& mesh)
+{
+    constexpr double pi = 3.14159265358979323846, radius = 12, side = 100;
+    const recon::Point middle(10, 5, radius);
+    SceneReport report;
+    for (const auto& t : mesh.triangles)
+    {
+        const recon::Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+        const recon::Vector area = 0.5 * (b - a).cross(c - a);
+        const recon::Point centre = (a + b + c) / 3;
+        if (std::abs(centre.z()) < 0.5)
+            report.ground += std::max(0.0, area.z()) / (side * side);
+        else if (std::abs((centre - middle).norm() - radius) < 0.5)
+            report.ball += std::max(0.0, area.dot((centre - middle).normalized())) / (4 * pi * radius * radius);
+    }
+    return report;
 }
 
 } // namespace checks

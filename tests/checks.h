@@ -33,4 +33,12 @@ struct MeshReport
 
 MeshReport examine_mesh(const recon::TriangleMesh& mesh);
 
+/// Of shapes::ball_on_a_ground(), as shares of the true areas: what of ball and ground the mesh has near its place,
+/// facing away from the ball's centre and up [0..1 and a little more].
+struct SceneReport
+{
+    double ball = 0, ground = 0;
+};
+SceneReport examine_ball_on_a_ground(const recon::TriangleMesh& mesh);
+
 } // namespace checks

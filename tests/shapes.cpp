@@ -251,6 +251,19 @@ Points thin_plate(int side, double thickness, std::uint64_t seed)
     return points;
 }
 
+Points ball_on_a_ground(std::uint64_t seed)
+{
+    Random random(seed);
+    const auto jitter = [&] { return 0.6 * (uniform(random) - 0.5); };
+    Points points = sphere(1810, 12, seed).points;
+    for (Point& p : points)
+        p += Point(10, 5, 12);
+    for (int i = -50; i <= 50; ++i)
+        for (int j = -50; j <= 50; ++j)
+            points.emplace_back(i + jitter(), j + jitter(), 0);
+    return points;
+}
+
 double rms(const Points& points, const std::function<double(const Point&)>& distance)
 {
     double squares = 0;

@@ -48,6 +48,10 @@ recon::Points plate(double side, double thickness, const recon::Points& bores, d
 /// A plate of side 30 with 3 x 3 bores, 9 apart.
 recon::Points bored_plate(double thickness, double diameter, std::uint64_t seed);
 
+/// A ball of radius 12 that touches a square ground (z = 0) of side 100, not in its middle, seen from above: one sample
+/// a unit of area, jittered on the ground.
+recon::Points ball_on_a_ground(std::uint64_t seed);
+
 /// Floor and wall of a cup of radius 1 along z, whose rim at `height` goes up and down by `wave` three times around.
 recon::Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed);
 

@@ -1,9 +1,143 @@
 #include <recon/level_sheet.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 
 namespace recon
 {
+namespace
+{
+
+constexpr std::size_t most_trials = 64;
+/// Half the thickness of a ground [diagonals of the box], and the cosine of its normals with the plane's.
+constexpr double half_thickness = 0.02, flat = 0.9;
+/// Shares: of all area in the ground, of its normals' sum that is left where they agree, of what is not in it behind
+/// it, and of that what stands within this share of the way to the rim; least area of that [1 = all].
+constexpr double least_ground = 0.25, agreeing = 0.8, one_sided = 0.75, within_rim = 0.9, inner = 0.9,
+                 least_things = 0.01;
+
+/// A plane that may be the ground.
+struct Plane
+{
+    Ground ground;
+    double area = 0; ///< Of its members.
+};
+
+Plane find_members(const Points& points, const Vectors& normals, const Point& origin, const Vector& normal, double half)
+{
+    Plane result{{origin, normal, {}}};
+    double along = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        const double area = normals[i].norm(), cosine = normals[i].dot(normal);
+        if (std::abs(normal.dot(points[i] - origin)) > half || std::abs(cosine) < flat * area)
+            continue;
+        result.ground.members.push_back(int(i));
+        result.area += area;
+        along += cosine;
+    }
+    if (along < 0)
+        result.ground.normal = -normal;
+    if (std::abs(along) < agreeing * result.area)
+        result.area = 0;
+    return result;
+}
+
+/// Least squares through the members.
+Plane refit(const Points& points, const Vectors& normals, const Plane& plane, double half)
+{
+    Point centre = Point::Zero();
+    for (const int i : plane.ground.members)
+        centre += normals[i].norm() / plane.area * points[i];
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const int i : plane.ground.members)
+        spread += normals[i].norm() / plane.area * (points[i] - centre) * (points[i] - centre).transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+    return find_members(points, normals, centre, solver.eigenvectors().col(0), half);
+}
+
+Plane find_largest_plane(const Points& points, const Vectors& normals, double half)
+{
+    const std::size_t step = points.size() / most_trials + 1;
+    Plane best;
+    for (std::size_t i = 0; i < points.size(); i += step)
+        if (!normals[i].isZero())
+        {
+            Plane plane = find_members(points, normals, points[i], normals[i].normalized(), half);
+            if (plane.area > best.area)
+                best = std::move(plane);
+        }
+    for (int round = 0; round < 2 && best.area > 0; ++round)
+        best = refit(points, normals, best, half);
+    return best;
+}
+
+/// Directions in the ground's plane: how far it reaches in each.
+class Rim
+{
+public:
+    Rim(const Points& points, const Ground& ground)
+        : origin_(ground.origin), first_(ground.normal.unitOrthogonal()), second_(ground.normal.cross(first_))
+    {
+        for (const int i : ground.members)
+        {
+            const auto [sector, radius] = place(points[i]);
+            radii_[sector] = std::max(radii_[sector], radius);
+        }
+    }
+    bool has_within(const Point& p) const
+    {
+        const auto [sector, radius] = place(p);
+        return radius < inner * radii_[sector];
+    }
+
+private:
+    static constexpr std::size_t sectors = 24;
+    std::pair<std::size_t, double> place(const Point& p) const
+    {
+        constexpr double pi = 3.14159265358979323846;
+        const double x = first_.dot(p - origin_), y = second_.dot(p - origin_);
+        const double turn = (std::atan2(y, x) + pi) / (2 * pi);
+        return {std::min(sectors - 1, std::size_t(turn * double(sectors))), std::hypot(x, y)};
+    }
+    Point origin_;
+    Vector first_, second_;
+    std::array<double, sectors> radii_{};
+};
+
+} // namespace
+
+std::optional<Ground> find_ground(const Points& points, const Vectors& normals)
+{
+    double all = 0;
+    for (const Vector& normal : normals)
+        all += normal.norm();
+    const double half = half_thickness * bounding_box(points).diagonal();
+    Plane plane = find_largest_plane(points, normals, half);
+    if (!(plane.area > 0) || plane.area < least_ground * all)
+        return {};
+    Ground& ground = plane.ground;
+    const Rim rim(points, ground);
+    double area[2] = {0, 0}, within[2] = {0, 0}; // before, behind
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        const double height = ground.normal.dot(points[i] - ground.origin);
+        if (std::abs(height) <= half)
+            continue;
+        area[height < 0] += normals[i].norm();
+        within[height < 0] += rim.has_within(points[i]) ? normals[i].norm() : 0;
+    }
+    ground.faces_things = area[0] > area[1];
+    const int side = ground.faces_things ? 0 : 1;
+    if (area[side] < std::max(least_things * all, one_sided * (area[0] + area[1])) ||
+        within[side] < within_rim * area[side])
+        return {};
+    return std::move(ground);
+}
 
 bool is_upside_down(const Points& points, const Vectors& normals)
 {
@@ -12,7 +146,10 @@ bool is_upside_down(const Points& points, const Vectors& normals)
     const Box box = bounding_box(points);
     const Vector extent = box.maximum - box.minimum;
     if (extent.z() > most_height * std::min(extent.x(), extent.y()))
-        return false;
+    {
+        const std::optional<Ground> ground = find_ground(points, normals);
+        return ground && !ground->faces_things;
+    }
     double rise = 0, area = 0;
     for (const Vector& n : normals)
     {

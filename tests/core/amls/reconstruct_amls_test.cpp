@@ -270,3 +270,31 @@ TEST(ReconstructAmls, AShallowDomeOfExactPointsKeepsThem)
         off += shapes::distance_to_sphere(v, 1) > 1e-3;
     EXPECT_LT(off, int(cap.size() / 50));
 }
+
+TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
+{
+    const Points level = shapes::with_noise(shapes::ball_on_a_ground(4), 0.2, 5);
+    // Whichever axis is up.
+    for (const int up : {2, 1})
+    {
+        Points points = level;
+        if (up == 1)
+            for (Point& p : points)
+                p = Point(p.x(), p.z(), -p.y());
+        for (const bool is_opened : {false, true})
+        {
+            AmlsReconstructionOptions options;
+            options.open_holes = is_opened;
+            TriangleMesh mesh = reconstruct_amls(points, options).mesh;
+            const checks::MeshReport report = checks::examine_mesh(mesh);
+            EXPECT_EQ(report.components, 1);
+            EXPECT_EQ(report.is_closed_oriented_manifold(), !is_opened) << report.text();
+            if (up == 1)
+                for (Point& p : mesh.vertices)
+                    p = Point(p.x(), -p.z(), p.y());
+            const checks::SceneReport scene = checks::examine_ball_on_a_ground(mesh);
+            EXPECT_GT(scene.ball, 0.9) << up << is_opened;
+            EXPECT_GT(scene.ground, 0.9) << up << is_opened;
+        }
+    }
+}

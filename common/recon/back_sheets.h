@@ -19,6 +19,10 @@ struct LostSheets
 /// \param samples those that `labelled` was made of. \param oriented whether they had normals.
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads);
 
+/// Adds the ground of a scene, see find_ground(): there is no ball below it either. \returns whether there is one that
+/// faces what stands on it.
+bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost);
+
 /// Puts samples some spacings behind lost sheets and what borders on them, so that there is a slab to be inside, but
 /// none where another sheet is near. \returns how many; they come last.
 int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads);

@@ -1,5 +1,6 @@
-#include "back_sheets.h"
+#include <recon/back_sheets.h>
 
+#include <recon/level_sheet.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
@@ -53,6 +54,18 @@ LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled
     const auto is_lost = [](double share) { return share > lost_above; };
     result.share = double(std::count_if(result.around.begin(), result.around.end(), is_lost)) / double(samples.size());
     return result;
+}
+
+bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost)
+{
+    const std::optional<Ground> ground = find_ground(samples, normals);
+    if (!ground || !ground->faces_things)
+        return false;
+    lost.around.resize(samples.size(), 0);
+    for (const int i : ground->members)
+        lost.around[i] = 1;
+    lost.share = std::max(lost.share, double(ground->members.size()) / double(samples.size()));
+    return true;
 }
 
 int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads)

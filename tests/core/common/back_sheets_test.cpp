@@ -1,4 +1,4 @@
-#include "filter_noisy_powercrust/back_sheets.h"
+#include <recon/back_sheets.h>
 
 #include "tests/checks.h"
 
