@@ -12,13 +12,16 @@ namespace recon
 namespace
 {
 
+/// Points whose tangent planes are tried.
 constexpr std::size_t most_trials = 64;
-/// Half the thickness of a ground [diagonals of the box], and the cosine of its normals with the plane's.
+/// Half the thickness of a ground [diagonals of the box], and the least cosine of its normals with the plane's.
 constexpr double half_thickness = 0.02, flat = 0.9;
-/// Shares: of all area in the ground, of its normals' sum that is left where they agree, of what is not in it behind
-/// it, and of that what stands within this share of the way to the rim; least area of that [1 = all].
-constexpr double least_ground = 0.25, agreeing = 0.8, one_sided = 0.75, within_rim = 0.9, inner = 0.9,
-                 least_things = 0.01;
+/// Share of all area that lies in a ground, and of its normals' lengths that their sum has: they agree.
+constexpr double least_ground = 0.25, agreeing = 0.8;
+/// Share of all area that stands out of it, at least, and of that what does so on the things' side.
+constexpr double least_things = 0.01, one_sided = 0.75;
+/// Share of the things that stand nearer than this share of the way to the rim.
+constexpr double within_rim = 0.9, inner = 0.9;
 
 /// A plane that may be the ground.
 struct Plane
