@@ -241,13 +241,18 @@ Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed)
 
 Points thin_plate(int side, double thickness, std::uint64_t seed)
 {
+    return stack_of_sheets(2, side, thickness, seed);
+}
+
+Points stack_of_sheets(int sheets, int side, double gap, std::uint64_t seed)
+{
     Random random(seed);
     const auto jitter = [&] { return 0.3 * (uniform(random) - 0.5); };
     Points points;
     for (int i = 0; i <= side; ++i)
         for (int j = 0; j <= side; ++j)
-            for (const double z : {0.0, thickness})
-                points.emplace_back(i + jitter(), j + jitter(), z);
+            for (int k = 0; k < sheets; ++k)
+                points.emplace_back(i + jitter(), j + jitter(), k * gap);
     return points;
 }
 
@@ -297,12 +302,16 @@ Points with_noisy_copies(const Points& points, double sigma, int copies, std::ui
     return result;
 }
 
-Cup::Cup(double wall, double side)
+namespace
 {
-    const double height = 0.75 * side, inside = side - 2 * wall, depth = height - wall;
-    volume = side * side * height - inside * inside * depth;
-    Random random(3);
-    const auto add_face = [&](const Point& corner, const Vector& u, const Vector& v)
+
+/// Parallelograms with one sample a unit of area, jittered.
+struct Faces
+{
+    Points points;
+    Random random{3};
+
+    void add(const Point& corner, const Vector& u, const Vector& v)
     {
         const int columns = std::max(int(u.norm()), 1), rows = std::max(int(v.norm()), 1);
         for (int i = 0; i < columns; ++i)
@@ -311,18 +320,54 @@ Cup::Cup(double wall, double side)
                 const double along = (i + 0.2 + 0.6 * uniform(random)) / columns;
                 points.push_back(corner + along * u + (j + 0.2 + 0.6 * uniform(random)) / rows * v);
             }
-    };
-    add_face({0, 0, 0}, {side, 0, 0}, {0, side, 0});
-    add_face({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
+    }
+};
+
+} // namespace
+
+Cup::Cup(double wall, double side)
+{
+    const double height = 0.75 * side, inside = side - 2 * wall, depth = height - wall;
+    volume = side * side * height - inside * inside * depth;
+    Faces faces;
+    faces.add({0, 0, 0}, {side, 0, 0}, {0, side, 0});
+    faces.add({wall, wall, wall}, {inside, 0, 0}, {0, inside, 0});
     for (const double far : {0.0, 1.0})
     {
-        add_face({0, far * side, 0}, {side, 0, 0}, {0, 0, height});
-        add_face({far * side, 0, 0}, {0, side, 0}, {0, 0, height});
-        add_face({wall, wall + far * inside, wall}, {inside, 0, 0}, {0, 0, depth});
-        add_face({wall + far * inside, wall, wall}, {0, inside, 0}, {0, 0, depth});
-        add_face({0, far * (side - wall), height}, {side, 0, 0}, {0, wall, 0});
-        add_face({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
+        faces.add({0, far * side, 0}, {side, 0, 0}, {0, 0, height});
+        faces.add({far * side, 0, 0}, {0, side, 0}, {0, 0, height});
+        faces.add({wall, wall + far * inside, wall}, {inside, 0, 0}, {0, 0, depth});
+        faces.add({wall + far * inside, wall, wall}, {0, inside, 0}, {0, 0, depth});
+        faces.add({0, far * (side - wall), height}, {side, 0, 0}, {0, wall, 0});
+        faces.add({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
     }
+    points = std::move(faces.points);
+}
+
+HeatSink::HeatSink(int fins, double wall, double gap, double height, double length, double base)
+{
+    const double pitch = wall + gap, width = fins * wall + (fins - 1) * gap, top = base + height;
+    volume = width * length * base + fins * wall * length * height;
+    Faces faces;
+    faces.add({0, 0, 0}, {width, 0, 0}, {0, length, 0});
+    for (const double far : {0.0, 1.0})
+    {
+        faces.add({far * width, 0, 0}, {0, length, 0}, {0, 0, base});
+        faces.add({0, far * length, 0}, {width, 0, 0}, {0, 0, base});
+    }
+    for (int fin = 0; fin < fins; ++fin)
+    {
+        const double left = fin * pitch;
+        faces.add({left, 0, top}, {wall, 0, 0}, {0, length, 0});
+        if (fin + 1 < fins)
+            faces.add({left + wall, 0, base}, {gap, 0, 0}, {0, length, 0});
+        for (const double far : {0.0, 1.0})
+        {
+            faces.add({left + far * wall, 0, base}, {0, length, 0}, {0, 0, height});
+            faces.add({left, far * length, base}, {wall, 0, 0}, {0, 0, height});
+        }
+    }
+    points = std::move(faces.points);
 }
 
 } // namespace shapes

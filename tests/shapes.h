@@ -42,6 +42,8 @@ recon::OrientedSamples ellipsoid(int n, const recon::Vector& half_axes, std::uin
 recon::OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t seed);
 /// The two faces of a square plate of `side` spacings, one sample a unit of area, jittered within the faces.
 recon::Points thin_plate(int side, double thickness, std::uint64_t seed);
+/// Such faces one above the other; a plate is two of them.
+recon::Points stack_of_sheets(int sheets, int side, double gap, std::uint64_t seed);
 /// A plate of side x side x thickness around the origin, with bores of one diameter along z at `bores`, their walls
 /// included: PoissonDisks of spacing 1.
 recon::Points plate(double side, double thickness, const recon::Points& bores, double diameter, std::uint64_t seed);
@@ -77,6 +79,15 @@ struct Cup
     explicit Cup(double wall, double side = 16);
 
     double volume; ///< Of its walls and its ground.
+    recon::Points points;
+};
+
+/// Fins on a base, with one sample a unit of area: all measures in spacings.
+struct HeatSink
+{
+    HeatSink(int fins, double wall, double gap, double height, double length, double base);
+
+    double volume;
     recon::Points points;
 };
 

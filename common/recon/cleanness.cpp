@@ -4,6 +4,7 @@
 #include <recon/delaunay.h>
 #include <recon/parallel.h>
 #include <recon/polar_balls.h>
+#include <recon/sheet_stack.h>
 
 #include <Eigen/Dense>
 
@@ -75,9 +76,10 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     const auto examine = [&](std::size_t k)
     {
         const Point& centre = samples[k * stride];
-        int indices[around];
-        double squared[around];
-        const int found = search.nearest(centre, around, indices, squared);
+        int indices[most_around_stack];
+        double squared[most_around_stack];
+        const int all = search.nearest(centre, most_around_stack, indices, squared);
+        const int found = std::min(all, around);
         if (found < 5)
             return;
         const double radius = std::sqrt(squared[found - 1]);
@@ -86,10 +88,19 @@ Cleanness measure_cleanness(const Points& samples, int threads)
             local.push_back(0.5 / radius * (samples[indices[j]] - centre));
         if (found == around)
         {
-            const double residual = measure_residual(local, narrow), wide = measure_residual(local, around);
+            // Of a stack of sheets those of one: the next sheet is no roughness.
+            Points sheet = local;
+            if (const auto stacked = find_stacked_sheet(samples, centre, indices, squared, all))
+            {
+                sheet.clear();
+                for (const int j : stacked->members)
+                    if (int(sheet.size()) < around)
+                        sheet.push_back(0.5 / radius * (samples[indices[j]] - centre));
+            }
+            const int members = int(sheet.size());
+            const double residual = measure_residual(sheet, narrow), wide = measure_residual(sheet, members);
             whiteness[k] = wide > 0 ? residual / wide : 0;
-            // The points share a disk of radius 0.5.
-            roughness[k] = residual / std::sqrt(EIGEN_PI * 0.25 / around);
+            roughness[k] = residual / std::sqrt(EIGEN_PI * sheet.back().squaredNorm() / members);
             noise[k] = 2 * radius * residual;
         }
         // Triangulations take ten times as long.

@@ -18,7 +18,8 @@ struct Cleanness
     /// Distance of the 12 nearest to their best quadric over that of the 32 nearest to theirs (root mean squares of the
     /// degrees of freedom), the lower quartile of the samples. What a quadric cannot follow grows with the piece, noise
     /// does not. Measured: 0 to 0.45 on clean clouds however coarse (0.53 on fractal rock), 0.5 to 0.83 on scans and
-    /// noisy samples where the projection onto the AMLS surface lowered the error.
+    /// noisy samples where the projection onto the AMLS surface lowered the error. In a stack of sheets it is that of
+    /// the sample's own, see sheet_stack.h; so are the following.
     double whiteness = 0;
     /// The former distance [spacings of the place]: its median, and what nine of ten samples exceed.
     double roughness = 0, least_roughness = 0;

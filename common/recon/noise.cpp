@@ -6,11 +6,14 @@
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/patch_fit.h>
+#include <recon/sheet_stack.h>
 #include <recon/spatial_order.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace recon
 {
@@ -106,12 +109,20 @@ constexpr double settled_share = 0.2; // of the seeds; if fewer have settled, al
 constexpr double largest_excess = 1.2;
 constexpr double region_share = 0.2; // of the seeds
 constexpr int region_stride = 8;     // of its seeds so many that one is asked
+/// Noise above which it may be a stack of sheets [spacings]; of the seeds so many that one is asked.
+constexpr double thick = 0.3;
+constexpr int stack_stride = 4;
+/// Share of those asked around that must see a sheet: 0.04 do in thick noise, 0.4 to 0.85 in stacks.
+constexpr double stacked_share = 0.3;
+/// Both sheets of a plate count as one, and widths that follow from it keep them apart; so two of a stack do.
+constexpr double sheets_of_plate = 2;
 
 struct Local
 {
     double sigma, density;
     bool settled = true;
-    double sheet_sigma = -1; ///< Of each of two sheets; negative if there are not two.
+    double sheet_sigma = -1;                  ///< Of each of two sheets; negative if there are not two.
+    std::optional<StackedSheet> stacked = {}; ///< Only of seeds that are asked.
 };
 
 /// What a Gaussian slab shows inside a ball of radius R around its middle: at height z the ball cuts a disc of area
@@ -161,7 +172,21 @@ public:
         limit_ = std::min({all, largest_count, std::max(all / 3, smallest_count)});
     }
 
-    Local estimate(const Point& seed)
+    /// \param ask_for_stack whether a thick layer may be a stack of sheets.
+    Local estimate(const Point& seed, bool ask_for_stack)
+    {
+        Local result = climb(seed);
+        if (ask_for_stack && (!result.settled || result.sigma * std::sqrt(result.density) > thick))
+        {
+            const int found =
+                pyramid_.searches[0].nearest(seed, most_around_stack, neighbours_.data(), squared_.data());
+            result.stacked = find_stacked_sheet(pyramid_.levels[0], seed, neighbours_.data(), squared_.data(), found);
+        }
+        return result;
+    }
+
+private:
+    Local climb(const Point& seed)
     {
         double k = smallest_count;
         found_ = 0;
@@ -194,7 +219,6 @@ public:
                 radius_ * fit_two_sheets(residuals_)};
     }
 
-private:
     struct Wanted
     {
         std::size_t level;
@@ -323,6 +347,42 @@ Pooled pool(const Points& seeds, const std::vector<Local>& raw, double scale, in
     return result;
 }
 
+/// Where many of those seeds that were asked see stacked sheets: noise and density of one.
+void take_one_of_stack(const Points& seeds, const std::vector<Local>& raw, double scale, int threads, Pooled& pooled)
+{
+    Points asked_seeds;
+    std::vector<const std::optional<StackedSheet>*> sheets;
+    bool has_stacks = false;
+    for (std::size_t i = 0; i < seeds.size(); i += stack_stride)
+    {
+        asked_seeds.push_back(seeds[i]);
+        sheets.push_back(&raw[i].stacked);
+        has_stacks = has_stacks || raw[i].stacked;
+    }
+    if (!has_stacks)
+        return;
+    const NeighbourSearch search(asked_seeds);
+    const auto correct = [&](std::size_t i)
+    {
+        std::array<int, smoothing_seeds> near;
+        std::array<double, smoothing_seeds> squared, sigma, density;
+        const int asked = search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
+        int stacked = 0;
+        for (int k = 0; k < asked; ++k)
+            if (const auto& sheet = *sheets[std::size_t(near[k])])
+            {
+                sigma[stacked] = sheet->sigma;
+                density[stacked++] = sheet->density;
+            }
+        if (stacked <= stacked_share * asked)
+            return;
+        pooled.sigma[i] = std::min(pooled.sigma[i], scale * middle_of(sigma.data(), stacked));
+        pooled.density[i] =
+            std::min(pooled.density[i], sheets_of_plate * middle_of(density.data(), stacked) / scale / scale);
+    };
+    parallel_for(seeds.size(), threads, {}, correct, 32);
+}
+
 } // namespace
 
 NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, const Progress& progress)
@@ -351,9 +411,10 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
                     {
                         ScaleLadder ladder(pyramid);
                         for (std::size_t i = begin; i < end; ++i)
-                            raw[i] = ladder.estimate(seeds[i]);
+                            raw[i] = ladder.estimate(seeds[i], i % stack_stride == 0);
                     });
     Pooled pooled = pool(seeds, raw, frame.scale(), threads);
+    take_one_of_stack(seeds, raw, frame.scale(), threads, pooled);
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(pooled.sigma), std::move(pooled.density));
 }

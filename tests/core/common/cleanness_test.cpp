@@ -60,6 +60,21 @@ TEST(Cleanness, AThinPlateIsCleanAndANoisyOneIsNot)
     }
 }
 
+TEST(Cleanness, OfSheetsInAStackItIsThatOfOne)
+{
+    for (const double gap : {1.6, 2.5})
+    {
+        const Points stack = shapes::stack_of_sheets(16, 30, gap, 3);
+        EXPECT_LT(measure_cleanness(in_order(stack), 1).roughness, 0.05) << gap;
+        for (const double noise : {0.1, 0.2})
+        {
+            const Cleanness noisy = measure_cleanness(in_order(shapes::with_noise(stack, noise, 4)), 1);
+            EXPECT_TRUE(noisy.is_smooth_but_noisy()) << gap << ' ' << noise;
+            EXPECT_NEAR(noisy.roughness, noise, 0.35 * noise) << gap << ' ' << noise;
+        }
+    }
+}
+
 TEST(Cleanness, AWiderFitServesNoiseAsWellAndCurvatureNot)
 {
     for (const Points& shape : {shapes::torus(1500, 1, 0.3, 3).points, shapes::box(1500, {3, 2, 1}, 3).points})

@@ -124,6 +124,21 @@ TEST(EstimateNoise, TellsThinPlatesFromLayersOfNoise)
     }
 }
 
+TEST(EstimateNoise, IsOfOneSheetInAStack)
+{
+    // Without looking for sheets all of it is a slab of noise, 5 and more spacings thick.
+    for (const double gap : {1.6, 2.5})
+        for (const double noise : {0.0, 0.1, 0.2})
+        {
+            const Points stack = shapes::stack_of_sheets(16, 30, gap, 3);
+            const NoiseEstimate estimate = estimate_noise(shapes::with_noise(stack, noise, 4));
+            EXPECT_NEAR(estimate.median_sigma(), noise, 0.02 + 0.1 * noise) << gap << ' ' << noise;
+            // At most two sheets count as one, as those of a plate do; a slab has 0.25.
+            EXPECT_GT(estimate.median_spacing(), 0.6) << gap << ' ' << noise;
+            EXPECT_LT(estimate.median_spacing(), 1.1) << gap << ' ' << noise;
+        }
+}
+
 TEST(EstimateNoise, FollowsDensityThatVaries)
 {
     // Of the half x > 0 one point in ten.
