@@ -4,6 +4,7 @@
 #include "sample_surface.h"
 #include "smooth_mesh.h"
 #include "surface_data.h"
+#include "thin_walls.h"
 
 #include <recon/back_sheets.h>
 #include <recon/block_search.h>
@@ -101,19 +102,9 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     return {frame, std::move(samples), std::move(labelled), std::move(sampled.claimed), backs};
 }
 
-/// Of the surface at the points, outward.
-Vectors list_normals(const Points& points, const AmlsSurface& surface, int threads)
+/// Whether points are exact as far as can be told.
+bool looks_exact(const Cleanness& cleanness, double least_noise_found)
 {
-    AmlsProjectionOptions options;
-    options.threads = threads;
-    options.sharp = false; // as for samples
-    return project_to_amls(points, surface, options).normals;
-}
-
-/// Whether the points, in a unit frame, are exact as far as can be told.
-bool looks_exact(const Points& unit, double least_noise_found, int threads)
-{
-    const Cleanness cleanness = measure_cleanness(unit, threads);
     return cleanness.flat_neighbours > flat_share && !cleanness.is_smooth_but_noisy() &&
            !cleanness.is_noisy_in_parts() &&
            (least_noise_found < least_noise || least_noise_found > walls || cleanness.whiteness < exact_whiteness);
@@ -133,18 +124,21 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     const UnitFrame frame(isolated > 0 ? distinct : points);
     distinct = frame.to_unit(distinct);
     const AmlsSurfaceReport& report = surface.report();
-    if (!looks_exact(distinct, report.least_noise, labelling.threads))
+    const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
+    if (!looks_exact(cleanness, report.least_noise))
         return {};
     LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0, 0.5, "polar balls"));
+    const auto list_normals = [&] { return points_at(kept, list_surface_normals(points, surface, labelling.threads)); };
     // So open a cloud, as a shallow dome, needs the surface's normals, which are those of the points where it passes
     // through them.
     if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)
-    {
-        const Vectors normals = points_at(kept, list_normals(points, surface, labelling.threads));
-        labelled = label_polar_balls(distinct, normals, labelling, times, progress.part(0.5, 1, "polar balls"));
-    }
+        labelled = label_polar_balls(distinct, list_normals(), labelling, times, progress.part(0.5, 1, "polar balls"));
     if (labelled.violated_votes > flooded_above)
         return {};
+    if (has_doubtful_handles(labelled, cleanness.stacked, labelling.threads))
+        if (std::optional<LabelledBalls> better = label_thin_walls(distinct, list_normals(), labelling, labelled, times,
+                                                                   progress.part(0.5, 1, "thin walls")))
+            labelled = std::move(*better);
     outliers = isolated;
     return LabelledSamples{frame, std::move(distinct), std::move(labelled)};
 }

@@ -13,15 +13,21 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
+AmlsProjection project_as_samples(const Points& points, const AmlsSurface& surface, int threads,
+                                  const Progress& progress)
+{
+    AmlsProjectionOptions options;
+    options.threads = threads;
+    options.sharp = false; // where sheets crowd, samples that settle apart make handles
+    return project_to_amls(points, surface, options, progress);
+}
+
 } // namespace
 
 SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surface, int threads,
                                    const Progress& progress)
 {
-    AmlsProjectionOptions options;
-    options.threads = threads;
-    options.sharp = false; // where sheets crowd, samples that settle apart make handles
-    const AmlsProjection projected = project_to_amls(points, surface, options, progress.part(0, 0.8, "projection"));
+    const AmlsProjection projected = project_as_samples(points, surface, threads, progress.part(0, 0.8, "projection"));
     SurfaceSamples result;
     OrientedSamples kept;
     std::vector<double> radii, expected;
@@ -47,6 +53,11 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
     }
     progress.report(1);
     return result;
+}
+
+Vectors list_surface_normals(const Points& points, const AmlsSurface& surface, int threads, const Progress& progress)
+{
+    return project_as_samples(points, surface, threads, progress).normals;
 }
 
 } // namespace recon

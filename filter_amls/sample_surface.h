@@ -23,4 +23,8 @@ struct SurfaceSamples
 SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surface, int threads,
                                    const Progress& progress = {});
 
+/// Outward unit normals of an AMLS surface at points, sided as those of its samples are. \throws Cancelled.
+Vectors list_surface_normals(const Points& points, const AmlsSurface& surface, int threads,
+                             const Progress& progress = {});
+
 } // namespace recon

@@ -1,5 +1,7 @@
 #include "label_cloud.h"
 
+#include "filter_amls/sample_surface.h"
+#include "filter_amls/thin_walls.h"
 #include "lids.h"
 
 #include <recon/back_sheets.h>
@@ -110,6 +112,28 @@ public:
         cloud.denoised = cloud.is_noisy = false;
         cloud.outliers = 0;
         return label(std::move(cloud), true, progress);
+    }
+
+    /// A clean cloud of thin walls, whose votes do not agree, with the normals of its AMLS surface.
+    LabelledCloud orient_walls(LabelledCloud found, const Progress& progress)
+    {
+        if (found.cloud.denoised || found.completed > 0 ||
+            !has_doubtful_handles(found.labelled, found.cloud.stacked, labelling_.threads))
+            return found;
+        times_.begin("AMLS");
+        const Points sorted = points_at(found.cloud.order, points_);
+        const AmlsSurface surface =
+            build_amls_surface(sorted, surface_options_for(options_), progress.part(0, 0.3, "AMLS surface"));
+        const Vectors normals =
+            list_surface_normals(sorted, surface, options_.threads, progress.part(0.3, 0.5, "normals"));
+        if (std::optional<LabelledBalls> better =
+                label_thin_walls(found.cloud.samples, normals, options_for(found.cloud), found.labelled, times_,
+                                 progress.part(0.5, 1, "thin walls")))
+        {
+            found.labelled = std::move(*better);
+            found.polygons.reset();
+        }
+        return found;
     }
 
     /// A denoised cloud whose crust has lost walls, denoised as if it had less noise.
@@ -391,11 +415,13 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         return first;
     // Bare flats explain sheets without an inside, also where less noise took the place of completed ones.
     const bool has_bare_flats = first.cloud.denoised && first.completed > 0;
-    const Progress rest = progress.part(0.7, 0.9, "other attempts");
     if (!first.cloud.denoised && options.denoise == Denoise::automatic)
-        first = attempts.doubt_cleanness(std::move(first), rest);
+    {
+        first = attempts.doubt_cleanness(std::move(first), progress.part(0.7, 0.8, "other attempts"));
+        first = attempts.orient_walls(std::move(first), progress.part(0.8, 0.9, "thin walls"));
+    }
     else if (first.cloud.denoised && options.noise == 0)
-        first = attempts.look_for_walls(std::move(first), rest);
+        first = attempts.look_for_walls(std::move(first), progress.part(0.7, 0.9, "other attempts"));
     if (has_bare_flats)
         return first;
     return attempts.back_lost_sheets(std::move(first), progress.part(0.9, 1, "lost sheets"));

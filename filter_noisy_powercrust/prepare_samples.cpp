@@ -29,6 +29,15 @@ void PreparedSamples::choose_frame(const Points& spanning, const Points& points)
     distinct = frame.to_unit(points_at(order, points));
 }
 
+AmlsOptions surface_options_for(const SamplePreparationOptions& options)
+{
+    AmlsOptions result;
+    result.noise = options.noise;
+    result.threads = options.threads;
+    result.terrain_faces_up = false;
+    return result;
+}
+
 PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
                                 const Progress& progress)
 {
@@ -40,6 +49,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     const Points sorted = points_at(result.order, points);
     result.distinct = result.frame.to_unit(sorted);
     const Cleanness cleanness = measure_cleanness(result.distinct, resolve_threads(options.threads));
+    result.stacked = cleanness.stacked;
     result.cleanness = std::max(cleanness.long_cells, cleanness.flat_neighbours);
     // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however coarse.
     if (options.denoise == Denoise::automatic && options.noise == 0)
@@ -65,11 +75,8 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     if (result.denoised || (options.needs_surface && result.is_noisy))
     {
         times.begin("AMLS");
-        AmlsOptions amls;
-        amls.noise = options.noise;
-        amls.threads = options.threads;
-        amls.terrain_faces_up = false;
-        result.surface = build_amls_surface(sorted, amls, progress.part(0.1, 0.7, "AMLS surface"));
+        result.surface =
+            build_amls_surface(sorted, surface_options_for(options), progress.part(0.1, 0.7, "AMLS surface"));
         result.noise = result.surface->report().noise;
     }
     if (result.denoised)

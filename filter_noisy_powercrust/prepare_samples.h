@@ -28,6 +28,9 @@ struct SamplePreparationOptions
     int threads = 0;            ///< 0 = all cores.
 };
 
+/// Of the AMLS surface that a crust's samples or normals are taken from.
+AmlsOptions surface_options_for(const SamplePreparationOptions& options);
+
 /// A cloud made ready for label_polar_balls().
 struct PreparedSamples
 {
@@ -39,6 +42,7 @@ struct PreparedSamples
     std::vector<int> order;             ///< Input index of each distinct point, in spatial order.
     Points distinct;                    ///< Those points in the unit frame; outliers lie anywhere.
     double cleanness = 0;               ///< Share of points that look free of noise [0..1].
+    double stacked = 0;                 ///< Share of points with other sheets beside their own [0..1].
     bool is_noisy = false;              ///< What the gate found.
     bool is_doubtful = false;           ///< Only the roughness says so: that can be thin walls.
     bool denoised = false;              ///< Whether `samples` are projected and thinned.

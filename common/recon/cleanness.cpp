@@ -70,7 +70,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     constexpr int seeds = 400, around = most_points, flat_count = 3, narrow = 12;
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
-    std::vector<char> clean(count, 0);
+    std::vector<char> clean(count, 0), stacked(count, 0);
     std::vector<double> flat(count, 0), whiteness(count, 0), roughness(count, 0), noise(count, 0);
     const BlockSearch search(samples);
     const auto examine = [&](std::size_t k)
@@ -90,10 +90,11 @@ Cleanness measure_cleanness(const Points& samples, int threads)
         {
             // Of a stack of sheets those of one: the next sheet is no roughness.
             Points sheet = local;
-            if (const auto stacked = find_stacked_sheet(samples, centre, indices, squared, all))
+            if (const auto own = find_stacked_sheet(samples, centre, indices, squared, all))
             {
+                stacked[k] = 1;
                 sheet.clear();
-                for (const int j : stacked->members)
+                for (const int j : own->members)
                     if (int(sheet.size()) < around)
                         sheet.push_back(0.5 / radius * (samples[indices[j]] - centre));
             }
@@ -127,6 +128,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
         if (!clean[k] && flat[k] < 0.5 && whiteness[k] > 0.5 && roughness[k] > 0.1)
             result.noisy_places += 1 / cells;
     }
+    result.stacked = count > 0 ? double(std::count(stacked.begin(), stacked.end(), 1)) / double(count) : 0;
     result.whiteness = quantile(whiteness, 0.25);
     result.roughness = quantile(roughness, 0.5);
     result.lower_roughness = quantile(roughness, 0.25);

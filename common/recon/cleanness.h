@@ -28,7 +28,10 @@ struct Cleanness
     /// which half is noisy (armadillo 0.03); of 100 clean clouds none with a share above 0.09 has a roughness below
     /// 0.07.
     double lower_roughness = 0, noisy_places = 0;
-    double noise = 0; ///< Its median [length]: the noise, unless curvature hides it.
+    /// Share of samples with other sheets beside their own, see sheet_stack.h: 0.3 to 0.95 where thin walls are many.
+    double stacked = 0;
+    double noise =
+        0; ///< Median distance to the quadric of the 12 nearest [length]: the noise, unless curvature hides it.
 
     bool is_clean() const { return long_cells > 0.7 || flat_neighbours > 0.63; }
     /// Whether a wider fit follows the samples nearly as well as a narrow one, so that averages gain more than they

@@ -98,6 +98,17 @@ TEST(ReconstructAmls, PassesThroughCleanPoints)
     EXPECT_GT(exact, 0.98 * double(points.size()));
 }
 
+TEST(ReconstructAmls, FinsHaveNoHandles)
+{
+    for (const auto& [wall, gap] : {std::pair{1.5, 3.0}, {2.3, 1.7}})
+    {
+        const shapes::HeatSink sink(8, wall, gap, 14, 25, 4);
+        const AmlsReconstruction mesh = reconstruct_amls(sink.points);
+        EXPECT_EQ(mesh.genus, 0) << wall << ' ' << gap;
+        EXPECT_NEAR(checks::examine_mesh(mesh.mesh).volume / sink.volume, 1, 0.03) << wall << ' ' << gap;
+    }
+}
+
 TEST(ReconstructAmls, PassesThroughCleanPointsOfThinWalls)
 {
     // Where all is thin walls they read as noise.

@@ -209,7 +209,18 @@ TEST(NoisyPowerCrust, FinsAreNoSlabOfNoise)
     }
 }
 
-// What melts in the weights' width is left as it is.
+TEST(NoisyPowerCrust, NormalsSettleWhichVotesOfFinsAreRight)
+{
+    for (const auto& [wall, gap] : {std::pair{2.3, 1.5}, {1.7, 2.3}, {1.5, 2.0}})
+    {
+        const shapes::HeatSink sink(8, wall, gap, 14, 25, 4);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(sink.points);
+        EXPECT_FALSE(crust.denoised);
+        EXPECT_EQ(crust.genus, 0) << wall << ' ' << gap; // 1 without
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume / sink.volume, 1, 0.03);
+    }
+}
+
 TEST(NoisyPowerCrust, FinsNearerThanTheWeightsAreWideStayApart)
 {
     const shapes::HeatSink sink(12, 1.7, 1.7, 14, 27, 3);

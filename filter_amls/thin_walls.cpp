@@ -1,0 +1,43 @@
+#include "thin_walls.h"
+
+#include <recon/crust_mesh.h>
+
+namespace recon
+{
+namespace
+{
+
+/// Share of samples with other sheets beside their own that calls for normals. Bores and holes of solid parts, which
+/// normals close now and then, have up to 0.18.
+constexpr double many_stacked = 0.25;
+/// Share of violated votes below which no thin wall had a handle too many.
+constexpr double undisputed_votes = 0.001;
+/// Share of them that labels with normals may leave: 0.1 to 0.45 where handles went.
+constexpr double clearly_fewer = 0.5;
+
+int count_handles(const LabelledBalls& labelled, int threads)
+{
+    return measure_closed_topology(
+               triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads))
+        .genus();
+}
+
+} // namespace
+
+bool has_doubtful_handles(const LabelledBalls& found, double stacked, int threads)
+{
+    return stacked > many_stacked && found.violated_votes > undisputed_votes && count_handles(found, threads) > 0;
+}
+
+std::optional<LabelledBalls> label_thin_walls(const Points& samples, const Vectors& normals,
+                                              const BallLabellingOptions& options, const LabelledBalls& found,
+                                              PhaseTimes& times, const Progress& progress)
+{
+    LabelledBalls labelled = label_polar_balls(samples, normals, options, times, progress);
+    if (labelled.violated_votes > clearly_fewer * found.violated_votes ||
+        count_handles(labelled, options.threads) >= count_handles(found, options.threads))
+        return {};
+    return labelled;
+}
+
+} // namespace recon

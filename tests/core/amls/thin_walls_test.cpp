@@ -1,0 +1,74 @@
+#include "filter_amls/sample_surface.h"
+#include "filter_amls/surface.h"
+#include "filter_amls/thin_walls.h"
+
+#include <recon/crust_mesh.h>
+#include <recon/spatial_order.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+using namespace recon;
+
+namespace
+{
+
+struct Labelled
+{
+    Points samples;
+    Vectors normals; ///< Of their AMLS surface.
+    LabelledBalls plain;
+};
+
+Labelled label(const Points& points)
+{
+    const UnitFrame frame(points);
+    const Points samples = frame.to_unit(points_at(order_spatially(points).order, points));
+    PhaseTimes times;
+    return {samples, list_surface_normals(samples, build_amls_surface(samples), 1),
+            label_polar_balls(samples, {}, {}, times)};
+}
+
+int count_handles(const LabelledBalls& labelled)
+{
+    return measure_closed_topology(triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels)))
+        .genus();
+}
+
+} // namespace
+
+TEST(LabelThinWalls, NormalsTakeHandlesAway)
+{
+    PhaseTimes times;
+    for (const auto& [wall, gap] : {std::pair{2.3, 1.5}, {2.3, 1.7}, {1.7, 2.3}})
+    {
+        const Labelled fins = label(shapes::HeatSink(8, wall, gap, 14, 25, 4).points);
+        ASSERT_GT(count_handles(fins.plain), 0);
+        EXPECT_TRUE(has_doubtful_handles(fins.plain, 0.5, 1));
+        EXPECT_FALSE(has_doubtful_handles(fins.plain, 0.1, 1)); // solid, with bores that normals may close
+        const auto better = label_thin_walls(fins.samples, fins.normals, {}, fins.plain, times);
+        ASSERT_TRUE(better) << wall << ' ' << gap;
+        EXPECT_EQ(count_handles(*better), 0) << wall << ' ' << gap;
+        EXPECT_LT(better->violated_votes, 0.5 * fins.plain.violated_votes);
+    }
+}
+
+TEST(LabelThinWalls, RealHandlesAreNotAskedAbout)
+{
+    PhaseTimes times;
+    const Labelled torus = label(shapes::torus(2000, 1, 0.3, 3).points);
+    EXPECT_FALSE(has_doubtful_handles(torus.plain, 0.5, 1)); // no vote objects
+    EXPECT_FALSE(label_thin_walls(torus.samples, torus.normals, {}, torus.plain, times));
+}
+
+TEST(LabelThinWalls, NormalsThatViolateMoreAreNotBelieved)
+{
+    PhaseTimes times;
+    Labelled fins = label(shapes::HeatSink(8, 2.3, 1.5, 14, 25, 4).points);
+    for (Vector& normal : fins.normals)
+        normal = Vector(1, 0, 0);
+    EXPECT_FALSE(label_thin_walls(fins.samples, fins.normals, {}, fins.plain, times));
+}
