@@ -39,6 +39,10 @@ constexpr double exact_whiteness = 0.15;
 /// domes, saddles and waves have up to .004, a bust whose folds it rounds off .08 [spacings].
 constexpr double resolved = 0.02;
 
+/// Share of violated votes above which it is asked whether the crust of exact points and the points part, and how far
+/// they may [Mismatch::sum()].
+constexpr double suspicious_votes = 0.01, bearable_mismatch = 0.05;
+
 /// Isolated points farther from the others are no part of an exact cloud; nearer ones may be, where it is sparse
 /// [diagonals of the others].
 constexpr double strange_distance = 0.25;
@@ -74,32 +78,60 @@ struct LabelledSamples
     UnitFrame frame;
     Points samples;
     LabelledBalls labelled;
+    int outliers = 0;              ///< Points left out [count].
+    bool is_exact = false;         ///< Whether the samples are the points as they are.
     std::vector<int> claimed = {}; ///< Input points that the surface claims, if not exact.
-    int backs = 0;                 ///< The last so many samples lie behind the ground of a scene.
+    int backs = 0;                 ///< The last so many samples lie behind sheets that had the outside on both sides.
+    double lost_sheets = 0;        ///< Share of samples in such sheets, if they got a back and are no ground [0..1].
 };
 
-/// Samples of the surface, labelled with its normals.
-LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, const BallLabellingOptions& labelling,
-                              PhaseTimes& times, int& outliers, const Progress& progress)
+/// With samples behind sheets that have the outside on both sides, where that is what the votes object to. \param
+/// violated_as_exact share of votes that labels of the points as they are violate, if these were found.
+void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double violated_as_exact,
+                      const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
+    if (violated <= open_behind_with_normals || found.backs > 0)
+        return;
+    const LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
+    if (lost.share <= bearable_lost)
+        return;
+    Points samples = found.samples;
+    Vectors all_normals = normals;
+    const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
+    LabelledBalls backed = label_polar_balls(samples, all_normals, labelling, times, progress);
+    if (backed.violated_votes > clearly_backed * violated)
+        return;
+    found.samples = std::move(samples);
+    found.labelled = std::move(backed);
+    found.backs = backs;
+    found.lost_sheets = lost.share;
+}
+
+/// Samples of the surface, labelled with its normals. \param violated_as_exact see back_lost_sheets().
+LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, double violated_as_exact,
+                              const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
     times.begin("projection");
     SurfaceSamples sampled =
         sample_amls_surface(points, surface, labelling.threads, progress.part(0, 0.2, "AMLS projection"));
-    outliers = sampled.outliers;
     if (sampled.samples.points.size() < 4)
         throw AlgorithmFailure("No surface was found among the points: all but " +
                                std::to_string(sampled.samples.points.size()) +
                                " are isolated. Use a denser cloud, or select the part to reconstruct.");
     // Not that of all points: one at the origin of a far coordinate system leaves the others a millionth of it.
-    const UnitFrame frame(outliers > 0 ? sampled.samples.points : points);
+    const UnitFrame frame(sampled.outliers > 0 ? sampled.samples.points : points);
     Points samples = frame.to_unit(sampled.samples.points);
     Vectors& normals = sampled.samples.normals;
     LostSheets ground;
     const bool has_ground = surface.report().open && add_ground(samples, normals, ground);
     const int backs = has_ground ? back_sheets(ground, samples, normals, labelling.threads) : 0;
     LabelledBalls labelled =
-        label_polar_balls(samples, normals, labelling, times, progress.part(0.2, 1, "polar balls"));
-    return {frame, std::move(samples), std::move(labelled), std::move(sampled.claimed), backs};
+        label_polar_balls(samples, normals, labelling, times, progress.part(0.2, 0.6, "polar balls"));
+    LabelledSamples found{
+        frame, std::move(samples), std::move(labelled), sampled.outliers, false, std::move(sampled.claimed), backs};
+    back_lost_sheets(found, normals, violated_as_exact, labelling, times, progress.part(0.6, 1, "backs of sheets"));
+    return found;
 }
 
 /// Whether points are exact as far as can be told.
@@ -114,7 +146,7 @@ bool looks_exact(const Cleanness& cleanness, double least_noise_found)
 /// not exact, or too open.
 std::optional<LabelledSamples> label_exact_points(const Points& points, const AmlsSurface& surface,
                                                   const BallLabellingOptions& labelling, PhaseTimes& times,
-                                                  int& outliers, const Progress& progress)
+                                                  const Progress& progress)
 {
     times.begin("gate");
     const std::vector<int> kept = list_without_strangers(points, surface.data());
@@ -139,8 +171,47 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
         if (std::optional<LabelledBalls> better = label_thin_walls(distinct, list_normals(), labelling, labelled, times,
                                                                    progress.part(0.5, 1, "thin walls")))
             labelled = std::move(*better);
-    outliers = isolated;
-    return LabelledSamples{frame, std::move(distinct), std::move(labelled)};
+    return LabelledSamples{frame, std::move(distinct), std::move(labelled), isolated, true};
+}
+
+/// How far the crust of the labels and the points part.
+double measure_mismatch(const LabelledSamples& found, const Points& points, int threads)
+{
+    const LabelledBalls& labelled = found.labelled;
+    const TriangleMesh crust =
+        triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
+    return measure_mismatch(found.frame.to_unit(points), crust, threads).sum();
+}
+
+/// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and
+/// that of the surface's samples does less.
+LabelledSamples label_points(const Points& points, const AmlsSurface& surface, bool may_be_exact,
+                             const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    std::optional<LabelledSamples> exact;
+    if (may_be_exact)
+        exact = label_exact_points(points, surface, labelling, times, progress.part(0, 0.5));
+    if (!exact)
+        return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 1));
+    const double violated = exact->labelled.violated_votes;
+    if (violated <= suspicious_votes)
+        return std::move(*exact);
+    times.begin("mismatch");
+    const double mismatch = measure_mismatch(*exact, points, labelling.threads);
+    const bool has_lost_sheets =
+        violated > open_behind &&
+        find_lost_sheets(exact->samples, exact->labelled, false, labelling.threads).share > bearable_lost;
+    if (mismatch <= bearable_mismatch && !has_lost_sheets)
+        return std::move(*exact);
+    LabelledSamples projected =
+        label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress.part(0.5, 1));
+    times.begin("mismatch");
+    // Backs of sheets are bare.
+    const bool is_better = projected.lost_sheets > 0
+                               ? projected.labelled.violated_votes <= clearly_backed * violated
+                               : projected.labelled.violated_votes < violated &&
+                                     measure_mismatch(projected, points, labelling.threads) < mismatch;
+    return is_better ? std::move(projected) : std::move(*exact);
 }
 
 /// Whether bare lids seem to close what walls hold that were taken for noise.
@@ -148,7 +219,8 @@ bool seems_filled(const Points& points, const TriangleMesh& mesh, const Labelled
                   int threads)
 {
     const TriangleMesh crust{found.frame.to_unit(mesh.vertices), mesh.triangles, {}};
-    if (measure_bare_area(found.samples, crust, threads) <= bare_lid)
+    if (noise < least_noise_of_walls * found.labelled.spacing * found.frame.scale() ||
+        measure_bare_area(found.samples, crust, threads) <= bare_lid)
         return false;
     const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
     return !measure_noise_misfit(claimed, crust, noise / found.frame.scale(), threads).is_noise();
@@ -200,43 +272,42 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     BallLabellingOptions labelling;
     labelling.share_balls = true; // the crust goes through the samples
     labelling.threads = resolve_threads(options.threads);
-    std::optional<LabelledSamples> found;
-    if (options.noise == 0)
-        found = label_exact_points(points, surface, labelling, times, result.outliers, progress.part(0.3, 0.5));
-    const bool is_exact = found.has_value();
-    if (!is_exact)
-        found = label_surface(points, surface, labelling, times, result.outliers, progress.part(0.5, 0.75));
-    result.samples = int(found->samples.size()) - found->backs;
-    result.violated_votes = found->labelled.violated_votes;
+    LabelledSamples found =
+        label_points(points, surface, options.noise == 0, labelling, times, progress.part(0.3, 0.75, "labels"));
+    result.outliers = found.outliers;
+    result.samples = int(found.samples.size()) - found.backs;
+    result.violated_votes = found.labelled.violated_votes;
     times.begin("crust");
     CrustOptions crust;
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
-    crust.target_vertices = int(found->samples.size());
-    crust.interpolated = &found->samples;
+    crust.target_vertices = int(found.samples.size());
+    crust.interpolated = &found.samples;
     crust.threads = labelling.threads;
     DroppedBodies dropped;
-    result.mesh = make_crust(found->labelled, crust, progress.part(0.75, 0.85, "crust"), &dropped);
+    result.mesh = make_crust(found.labelled, crust, progress.part(0.75, 0.85, "crust"), &dropped);
     for (const std::string& text : {describe(dropped), describe_violation(result.violated_votes)})
         if (!text.empty())
             result.warnings.push_back(text);
-    found->frame.from_unit_in_place(result.mesh.vertices);
+    if (found.lost_sheets > 0)
+        result.warnings.push_back(describe_backs(found.lost_sheets));
+    found.frame.from_unit_in_place(result.mesh.vertices);
     std::vector<char> is_on_surface(result.mesh.vertices.size(), 0);
-    if (!is_exact)
+    if (!found.is_exact)
     {
         times.begin("smooth");
         is_on_surface =
             smooth_mesh(result.mesh, surface, options.threads, progress.part(0.85, 0.95, "projection of the mesh"));
-        if (seems_filled(points, result.mesh, *found, result.surface.noise, labelling.threads))
+        if (seems_filled(points, result.mesh, found, result.surface.noise, labelling.threads))
             result.warnings.push_back(
                 std::string(lost_walls_text) +
                 " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
     }
     times.begin("closing");
-    draw_closings_taut(result.mesh, *found, is_on_surface, labelling.threads);
+    draw_closings_taut(result.mesh, found, is_on_surface, labelling.threads);
     times.begin("finish");
     if (options.open_holes)
-        open_amls_holes(result.mesh, *found, is_on_surface, labelling.threads, progress.part(0.95, 0.97, "holes"));
+        open_amls_holes(result.mesh, found, is_on_surface, labelling.threads, progress.part(0.95, 0.97, "holes"));
     result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));
     const NeighbourSearch search(points);
     result.nearest_sample.resize(result.mesh.vertices.size());

@@ -37,9 +37,6 @@ constexpr double clearly_better = 0.5;
 /// Share of points missed above which walls may be lost where faces were completed: what lies beside those that were
 /// not found is not noise either.
 constexpr double missed_beside_flats = 0.015;
-/// Below this noise [spacings of the samples] nothing was taken for it: two sheets that read as noise are farther
-/// apart.
-constexpr double least_of_walls = 0.1;
 /// How often the noise is halved.
 constexpr int halvings = 3;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
@@ -58,10 +55,9 @@ constexpr double objecting_votes = 0.02;
 constexpr double clearly_fewer = 0.65;
 
 // Sheets that have the outside on both sides: backs behind them.
-/// Share of samples in lost sheets above which they get a back, if the crust has more handles than this per sample or
-/// is flooded; with the backs at most this share of the handles, or no more of them but this share of the violated
-/// votes, may be left; of a flooded crust the votes alone count.
-constexpr double bearable_lost = 0.02, bearable_handles = 2e-4, whole_again = 0.5;
+/// Handles per sample above which lost sheets are lace, and share of them that backs may leave, or no more of them but
+/// clearly fewer violated votes. Where they are none the votes alone count.
+constexpr double bearable_handles = 2e-4, whole_again = 0.5;
 
 /// Above this number of points two attempts are not kept side by side [count].
 constexpr std::size_t most_points_twice = 1'000'000;
@@ -206,7 +202,8 @@ public:
         const double handles = measure_closed_topology(extract(found)).genus(),
                      violated = found.labelled.violated_votes;
         const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
-        if (!is_lace && violated <= flooded_above && !has_ground)
+        const double usual = found.cloud.denoised ? open_behind_with_normals : open_behind;
+        if (!is_lace && violated <= usual && !has_ground)
             return found;
         if (is_lace)
             found.lost_sheets = lost.share;
@@ -225,11 +222,11 @@ public:
         LabelledCloud slabs = label(std::move(backed), false, progress.part(0.5, 1, "backs of sheets"));
         slabs.backs = backs;
         slabs.lost_sheets = lost.share;
-        const bool has_fewer_violated = slabs.labelled.violated_votes <= whole_again * violated;
+        const bool has_fewer_violated = slabs.labelled.violated_votes <= clearly_backed * violated;
         const double most_handles = has_fewer_violated ? handles : whole_again * handles;
         // Between a ground's samples are cracks rather than handles.
-        const bool is_better = is_lace && !has_ground ? measure_closed_topology(extract(slabs)).genus() <= most_handles
-                                                      : has_fewer_violated;
+        const bool is_better = (has_fewer_violated || (is_lace && !has_ground)) &&
+                               (has_ground || measure_closed_topology(extract(slabs)).genus() <= most_handles);
         return is_better ? std::move(slabs) : std::move(found);
     }
 
@@ -292,7 +289,7 @@ private:
     bool may_have_lost_walls(const LabelledCloud& first) const
     {
         return points_.size() <= most_points_twice && first.labelled.violated_votes <= flooded_above &&
-               first.cloud.noise >= least_of_walls * first.labelled.spacing * first.cloud.frame.scale();
+               first.cloud.noise >= least_noise_of_walls * first.labelled.spacing * first.cloud.frame.scale();
     }
 
     /// \param highest_violation share of violated votes that the attempt must stay below.
@@ -431,10 +428,10 @@ std::string describe_lost_sheets(double share, int backs, Denoise denoise, std::
 {
     if (share <= 0)
         return {};
+    if (backs > 0)
+        return describe_backs(share);
     std::string text = std::to_string(int(std::lround(100 * share))) +
                        " % of the samples are of sheets that have no inside, as of a scan from one side only. ";
-    if (backs > 0)
-        return text + "They were given a back, three spacings behind the points.";
     text += "They came out as lace: to see them whole, ";
     const bool is_off = denoise == Denoise::off, has_too_many = points > most_points_twice;
     if (is_off)

@@ -325,7 +325,7 @@ struct Faces
 
 } // namespace
 
-Cup::Cup(double wall, double side)
+Cup::Cup(double wall, double side) : wall_(wall), side_(side)
 {
     const double height = 0.75 * side, inside = side - 2 * wall, depth = height - wall;
     volume = side * side * height - inside * inside * depth;
@@ -342,6 +342,52 @@ Cup::Cup(double wall, double side)
         faces.add({far * (side - wall), wall, height}, {wall, 0, 0}, {0, inside, 0});
     }
     points = std::move(faces.points);
+}
+
+Points Cup::seen_above(double height) const
+{
+    const double low = wall_ - 1e-6, high = side_ - low;
+    Points seen;
+    for (const Point& p : points)
+        if (p.z() > height || p.head<3>().minCoeff() < low || p.head<2>().maxCoeff() > high)
+            seen.push_back(p);
+    return seen;
+}
+
+Points scan_boxes(const std::vector<recon::Box>& boxes, int views, int pixels)
+{
+    constexpr double golden_angle = 2.399963, far = 1e9;
+    recon::Box all;
+    for (const recon::Box& box : boxes)
+    {
+        all.minimum = all.minimum.cwiseMin(box.minimum);
+        all.maximum = all.maximum.cwiseMax(box.maximum);
+    }
+    const double radius = all.diagonal() / 2;
+    Points hits;
+    for (int view = 0; view < views; ++view)
+    {
+        const double z = 1 - (2 * view + 1.0) / views, angle = view * golden_angle, flat = std::sqrt(1 - z * z);
+        const Vector ray = -Vector(flat * std::cos(angle), flat * std::sin(angle), z), right = ray.unitOrthogonal();
+        const auto at = [&](int pixel) { return radius * ((2 * pixel + 1.0) / pixels - 1); };
+        for (int i = 0; i < pixels; ++i)
+            for (int j = 0; j < pixels; ++j)
+            {
+                const Point origin = all.centre() - 2 * radius * ray + at(i) * right + at(j) * ray.cross(right);
+                double first = far;
+                for (const recon::Box& box : boxes)
+                {
+                    const Vector a = (box.minimum - origin).cwiseQuotient(ray),
+                                 b = (box.maximum - origin).cwiseQuotient(ray);
+                    const double enters = a.cwiseMin(b).maxCoeff();
+                    if (enters < a.cwiseMax(b).minCoeff())
+                        first = std::min(first, enters);
+                }
+                if (first < far)
+                    hits.push_back(origin + first * ray);
+            }
+    }
+    return hits;
 }
 
 HeatSink::HeatSink(int fins, double wall, double gap, double height, double length, double base)

@@ -80,7 +80,16 @@ struct Cup
 
     double volume; ///< Of its walls and its ground.
     recon::Points points;
+    /// Without those of the inside up to that height over the ground's underside: no view reached it.
+    recon::Points seen_above(double height) const;
+
+private:
+    double wall_, side_;
 };
+
+/// What a range scanner sees of a union of boxes from `views` directions spread over the sphere, free of noise: the
+/// first hit of each pixel's ray, `pixels` across the bounding sphere.
+recon::Points scan_boxes(const std::vector<recon::Box>& boxes, int views, int pixels);
 
 /// Fins on a base, with one sample a unit of area: all measures in spacings.
 struct HeatSink

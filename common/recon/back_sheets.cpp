@@ -32,6 +32,13 @@ bool has_no_inside(const LabelledBalls& labelled, bool oriented, std::size_t sam
 
 } // namespace
 
+std::string describe_backs(double share)
+{
+    return std::to_string(int(std::lround(100 * share))) +
+           " % of the samples are of sheets that have no inside, as of a scan from one side only. They were given a "
+           "back, three spacings behind the points.";
+}
+
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads)
 {
     LostSheets result;

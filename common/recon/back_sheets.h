@@ -3,6 +3,7 @@
 #include <recon/geometry.h>
 #include <recon/labelled_balls.h>
 
+#include <string>
 #include <vector>
 
 namespace recon
@@ -15,6 +16,15 @@ struct LostSheets
     std::vector<double> around; ///< Per sample: share of the samples around without an inside [0..1]. Empty: none lost.
     double share = 0;           ///< Of samples most of whose neighbours have no inside [0..1].
 };
+
+/// Share of samples in lost sheets above which they get a back where the labels contradict more votes than is usual, as
+/// at the ground of a cup of which only the underside was seen.
+inline constexpr double bearable_lost = 0.02;
+/// That share of the votes, of labels without normals and with them, and what of it may be left then.
+inline constexpr double open_behind = 0.03, open_behind_with_normals = 0.005, clearly_backed = 0.5;
+
+/// What to tell users of sheets that were given a back. \param share of the samples [0..1].
+std::string describe_backs(double share);
 
 /// \param samples those that `labelled` was made of. \param oriented whether they had normals.
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads);

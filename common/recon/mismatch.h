@@ -27,6 +27,10 @@ Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int th
 /// hold, and no vote objects. An open scan is bare as well.
 inline constexpr double bare_lid = 0.02;
 
+/// Noise below which nothing was taken for it, so no walls were lost [spacings of the samples]: two sheets that read as
+/// noise are farther apart.
+inline constexpr double least_noise_of_walls = 0.1;
+
 /// What to tell users where walls seem lost.
 inline constexpr char lost_walls_text[] =
     "Parts of the surface have no points, and others lie beside it as no noise does: walls may have been taken for "

@@ -98,6 +98,37 @@ TEST(ReconstructAmls, PassesThroughCleanPoints)
     EXPECT_GT(exact, 0.98 * double(points.size()));
 }
 
+// A deep cup scanned from all around: labels of the points as they are fill it, and the points object.
+TEST(ReconstructAmls, DeepHollowsOfScansAreNotFilled)
+{
+    const double side = 0.5, height = 0.9, wall = 0.03;
+    const Points points = shapes::scan_boxes({{{0, 0, 0}, {side, side, wall}},
+                                              {{0, 0, 0}, {wall, side, height}},
+                                              {{side - wall, 0, 0}, {side, side, height}},
+                                              {{0, 0, 0}, {side, wall, height}},
+                                              {{0, side - wall, 0}, {side, side, height}}},
+                                             20, 60);
+    const AmlsReconstruction mesh = reconstruct_amls(points);
+    EXPECT_LT(mesh.violated_votes, 0.03); // 0.07 filled
+    EXPECT_TRUE(mesh.warnings.empty());
+    // What no view has seen, near the ground, is filled all the same.
+    EXPECT_LT(checks::examine_mesh(mesh.mesh).volume, 0.8 * side * side * height);
+}
+
+// Only the underside of a cup's ground was seen: the outside reached it from above.
+TEST(ReconstructAmls, GroundsSeenFromOneSideGetABack)
+{
+    for (const double wall : {2.5, 4.0})
+    {
+        const shapes::Cup cup(wall, 32);
+        const AmlsReconstruction mesh = reconstruct_amls(cup.seen_above(4));
+        EXPECT_EQ(mesh.genus, 0) << wall;
+        EXPECT_NEAR(checks::examine_mesh(mesh.mesh).volume / cup.volume, 1, 0.12) << wall; // 0.86 without
+        ASSERT_EQ(mesh.warnings.size(), 1u);
+        EXPECT_NE(mesh.warnings[0].find("given a back"), std::string::npos);
+    }
+}
+
 TEST(ReconstructAmls, FinsHaveNoHandles)
 {
     for (const auto& [wall, gap] : {std::pair{1.5, 3.0}, {2.3, 1.7}})

@@ -178,6 +178,19 @@ TEST(NoisyPowerCrust, AnOpenSceneIsNoLostWall)
     EXPECT_LT(crust.violated_votes, 0.05); // 0.39 without backs
 }
 
+// Only the underside of a cup's ground was seen: the outside reached it from above.
+TEST(NoisyPowerCrust, GroundsSeenFromOneSideGetABack)
+{
+    for (const double noise : {0.0, 0.1, 0.2})
+    {
+        const shapes::Cup cup(4, 32);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.seen_above(4), noise, 3));
+        EXPECT_EQ(crust.genus, 0) << noise;
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume / cup.volume, 1, 0.08) << noise; // 0.89 without
+        EXPECT_TRUE(says(crust, "given a back")) << noise;
+    }
+}
+
 TEST(DescribeLostSheets, AdvisesWhatHasNotBeenTried)
 {
     const auto has = [](const std::string& text, const char* words) { return text.find(words) != std::string::npos; };
