@@ -39,10 +39,6 @@ constexpr double exact_whiteness = 0.15;
 /// domes, saddles and waves have up to .004, a bust whose folds it rounds off .08 [spacings].
 constexpr double resolved = 0.02;
 
-/// Share of violated votes above which it is asked whether the crust of exact points and the points part, and how far
-/// they may [Mismatch::sum()].
-constexpr double suspicious_votes = 0.01, bearable_mismatch = 0.05;
-
 /// Isolated points farther from the others are no part of an exact cloud; nearer ones may be, where it is sparse
 /// [diagonals of the others].
 constexpr double strange_distance = 0.25;

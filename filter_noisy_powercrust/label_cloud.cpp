@@ -24,12 +24,8 @@ namespace
 // speaks against the crust so far that it may keep: an attempt that keeps more balls fits any points better.
 
 // A clean cloud: balls by the spacing alone, then denoised.
-/// Below this share of violated votes clean clouds missed no points; the question would take a tenth of the time.
-constexpr double suspicious_votes = 0.01;
 /// Share of points that a right surface may miss, at ears and folds.
 constexpr double bearable_miss = 0.01;
-/// Mismatch above which a hollow may have been closed over.
-constexpr double bearable_mismatch = 0.05;
 /// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
 constexpr double clearly_better = 0.5;
 
@@ -56,7 +52,7 @@ constexpr double clearly_fewer = 0.65;
 
 // Sheets that have the outside on both sides: backs behind them.
 /// Handles per sample above which lost sheets are lace, and share of them that backs may leave, or no more of them but
-/// clearly fewer violated votes. Where they are none the votes alone count.
+/// clearly fewer violated votes. Of a flooded crust or a ground the votes alone count.
 constexpr double bearable_handles = 2e-4, whole_again = 0.5;
 
 /// Above this number of points two attempts are not kept side by side [count].
@@ -113,7 +109,7 @@ public:
     /// A clean cloud of thin walls, whose votes do not agree, with the normals of its AMLS surface.
     LabelledCloud orient_walls(LabelledCloud found, const Progress& progress)
     {
-        if (found.cloud.denoised || found.completed > 0 ||
+        if (found.cloud.denoised || found.completed > 0 || points_.size() > most_points_twice ||
             !has_doubtful_handles(found.labelled, found.cloud.stacked, labelling_.threads))
             return found;
         times_.begin("AMLS");
@@ -225,8 +221,9 @@ public:
         const bool has_fewer_violated = slabs.labelled.violated_votes <= clearly_backed * violated;
         const double most_handles = has_fewer_violated ? handles : whole_again * handles;
         // Between a ground's samples are cracks rather than handles.
+        const bool votes_alone = has_ground || (!is_lace && violated > flooded_above);
         const bool is_better = (has_fewer_violated || (is_lace && !has_ground)) &&
-                               (has_ground || measure_closed_topology(extract(slabs)).genus() <= most_handles);
+                               (votes_alone || measure_closed_topology(extract(slabs)).genus() <= most_handles);
         return is_better ? std::move(slabs) : std::move(found);
     }
 
@@ -430,9 +427,7 @@ std::string describe_lost_sheets(double share, int backs, Denoise denoise, std::
         return {};
     if (backs > 0)
         return describe_backs(share);
-    std::string text = std::to_string(int(std::lround(100 * share))) +
-                       " % of the samples are of sheets that have no inside, as of a scan from one side only. ";
-    text += "They came out as lace: to see them whole, ";
+    std::string text = describe_lost(share) + "They came out as lace: to see them whole, ";
     const bool is_off = denoise == Denoise::off, has_too_many = points > most_points_twice;
     if (is_off)
         text += "set denoise to automatic or on";

@@ -5,6 +5,7 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace recon
 {
@@ -32,11 +33,15 @@ bool has_no_inside(const LabelledBalls& labelled, bool oriented, std::size_t sam
 
 } // namespace
 
-std::string describe_backs(double share)
+std::string describe_lost(double share)
 {
     return std::to_string(int(std::lround(100 * share))) +
-           " % of the samples are of sheets that have no inside, as of a scan from one side only. They were given a "
-           "back, three spacings behind the points.";
+           " % of the samples are of sheets that have no inside, as of a scan from one side only. ";
+}
+
+std::string describe_backs(double share)
+{
+    return describe_lost(share) + "They were given a back, three spacings behind the points.";
 }
 
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads)

@@ -23,7 +23,9 @@ inline constexpr double bearable_lost = 0.02;
 /// That share of the votes, of labels without normals and with them, and what of it may be left then.
 inline constexpr double open_behind = 0.03, open_behind_with_normals = 0.005, clearly_backed = 0.5;
 
-/// What to tell users of sheets that were given a back. \param share of the samples [0..1].
+/// What to tell users of lost sheets, to be gone on with, and of those that were given a back. \param share of the
+/// samples [0..1].
+std::string describe_lost(double share);
 std::string describe_backs(double share);
 
 /// \param samples those that `labelled` was made of. \param oriented whether they had normals.
