@@ -1,7 +1,9 @@
-// Where the noisy power crust stops working, on shapes of known topology: crust_limits <seed> [sheet|gap|torus|hole]
+// Where the noisy power crust stops working, on shapes of known topology: crust_limits <seed>
+// [sheet|gap|torus|hole|fins]
 //   sheet: a plate of thickness t. gap: two balls whose surfaces are t apart. torus: tube of diameter t. hole: a plate
-//   3 spacings thick with 3 x 3 holes of diameter t. t in spacings of the samples; noise in spacings too; 5 noisy
-//   samples a spot where there is noise, as in the grids. Prints "shape noise t right-of-trials".
+//   3 spacings thick with 3 x 3 holes of diameter t. fins: eight on a base, walls and gaps t thick. t in spacings of
+//   the samples; noise in spacings too; 5 noisy samples a spot where there is noise, as in the grids. Prints "shape
+//   noise t right-of-trials".
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
@@ -32,6 +34,8 @@ Shape make(const std::string& name, double t, unsigned seed)
         return {shapes::plate(24, t, {}, 0, seed), 1, 2};
     if (name == "hole")
         return {shapes::bored_plate(3, t, seed), 1, 2 - 2 * 9};
+    if (name == "fins")
+        return {shapes::HeatSink(8, t, t, 14, 25, 4, seed).points, 1, 2};
     shapes::PoissonDisks disks(1, seed);
     const auto direction = [&]
     {
@@ -94,12 +98,12 @@ int main(int argc, char** argv)
 {
     if (argc < 2)
     {
-        std::fprintf(stderr, "usage: %s <seed> [sheet|gap|torus|hole]\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <seed> [sheet|gap|torus|hole|fins]\n", argv[0]);
         return 2;
     }
     const unsigned seed = unsigned(std::atoi(argv[1]));
     constexpr int trials = 3;
-    for (const std::string name : {"sheet", "gap", "torus", "hole"})
+    for (const std::string name : {"sheet", "gap", "torus", "hole", "fins"})
         if (argc < 3 || name == argv[2])
             for (const double noise : {0.0, 0.1, 0.2, 0.4})
                 for (const double t : {0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0})

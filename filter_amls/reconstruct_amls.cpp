@@ -90,7 +90,7 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double vio
     if (violated <= open_behind_with_normals || found.backs > 0)
         return;
     const LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
-    if (lost.share <= bearable_lost)
+    if (lost.largest <= bearable_lost)
         return;
     Points samples = found.samples;
     Vectors all_normals = normals;
@@ -196,7 +196,7 @@ LabelledSamples label_points(const Points& points, const AmlsSurface& surface, b
     const double mismatch = measure_mismatch(*exact, points, labelling.threads);
     const bool has_lost_sheets =
         violated > open_behind &&
-        find_lost_sheets(exact->samples, exact->labelled, false, labelling.threads).share > bearable_lost;
+        find_lost_sheets(exact->samples, exact->labelled, false, labelling.threads).largest > bearable_lost;
     if (mismatch <= bearable_mismatch && !has_lost_sheets)
         return std::move(*exact);
     LabelledSamples projected =

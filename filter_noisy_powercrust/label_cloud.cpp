@@ -199,7 +199,8 @@ public:
                      violated = found.labelled.violated_votes;
         const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
         const double usual = found.cloud.denoised ? open_behind_with_normals : open_behind;
-        if (!is_lace && violated <= usual && !has_ground)
+        const bool is_open_behind = lost.largest > bearable_lost && violated > usual;
+        if (!is_lace && violated <= flooded_above && !has_ground && !is_open_behind)
             return found;
         if (is_lace)
             found.lost_sheets = lost.share;

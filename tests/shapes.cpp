@@ -390,11 +390,11 @@ Points scan_boxes(const std::vector<recon::Box>& boxes, int views, int pixels)
     return hits;
 }
 
-HeatSink::HeatSink(int fins, double wall, double gap, double height, double length, double base)
+HeatSink::HeatSink(int fins, double wall, double gap, double height, double length, double base, std::uint64_t seed)
 {
     const double pitch = wall + gap, width = fins * wall + (fins - 1) * gap, top = base + height;
     volume = width * length * base + fins * wall * length * height;
-    Faces faces;
+    Faces faces{{}, Random(seed)};
     faces.add({0, 0, 0}, {width, 0, 0}, {0, length, 0});
     for (const double far : {0.0, 1.0})
     {

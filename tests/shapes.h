@@ -94,7 +94,7 @@ recon::Points scan_boxes(const std::vector<recon::Box>& boxes, int views, int pi
 /// Fins on a base, with one sample a unit of area: all measures in spacings.
 struct HeatSink
 {
-    HeatSink(int fins, double wall, double gap, double height, double length, double base);
+    HeatSink(int fins, double wall, double gap, double height, double length, double base, std::uint64_t seed = 3);
 
     double volume;
     recon::Points points;

@@ -1,5 +1,6 @@
 #include <recon/back_sheets.h>
 
+#include <recon/disjoint_sets.h>
 #include <recon/level_sheet.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
@@ -12,8 +13,8 @@ namespace recon
 namespace
 {
 
-/// Samples looked at around each [count], itself included.
-constexpr int around = 31;
+/// Samples looked at around each [count], itself included; of these the nearest hang together with it.
+constexpr int around = 31, touching = 9;
 /// Up to this share of samples without an inside, rims of scans, no sheet is lost.
 constexpr double least_share = 0.01;
 /// Share of samples without an inside around one that makes it part of a lost sheet, and that has its back put up too.
@@ -63,8 +64,30 @@ LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled
                      const auto hollow = std::count_if(indices, indices + found, [&](int j) { return is_hollow[j]; });
                      result.around[i] = double(hollow) / found;
                  });
-    const auto is_lost = [](double share) { return share > lost_above; };
-    result.share = double(std::count_if(result.around.begin(), result.around.end(), is_lost)) / double(samples.size());
+    const auto is_lost = [&](int i) { return result.around[std::size_t(i)] > lost_above; };
+    DisjointSets sheets(samples.size());
+    const auto join_neighbours = [&](std::size_t i)
+    {
+        if (!is_lost(int(i)))
+            return;
+        int indices[touching];
+        double squared[touching];
+        const int found = search.nearest(samples[i], touching, indices, squared);
+        for (int k = 0; k < found; ++k)
+            if (is_lost(indices[k]))
+                sheets.join(int(i), indices[k]);
+    };
+    parallel_for(samples.size(), threads, {}, join_neighbours);
+    std::vector<int> sizes(samples.size(), 0);
+    int lost = 0, largest = 0;
+    for (int i = 0; i < int(samples.size()); ++i)
+        if (is_lost(i))
+        {
+            ++lost;
+            largest = std::max(largest, ++sizes[std::size_t(sheets.find(i))]);
+        }
+    result.share = lost / double(samples.size());
+    result.largest = largest / double(samples.size());
     return result;
 }
 

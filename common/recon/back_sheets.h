@@ -15,10 +15,11 @@ struct LostSheets
 {
     std::vector<double> around; ///< Per sample: share of the samples around without an inside [0..1]. Empty: none lost.
     double share = 0;           ///< Of samples most of whose neighbours have no inside [0..1].
+    double largest = 0;         ///< Of those of them that hang together the most, as the ground of a cup does [0..1].
 };
 
-/// Share of samples in lost sheets above which they get a back where the labels contradict more votes than is usual, as
-/// at the ground of a cup of which only the underside was seen.
+/// Share of samples in lost sheets above which they get a back if they came out as lace; in one of them, where the
+/// labels contradict more votes than is usual, as at the ground of a cup of which only the underside was seen.
 inline constexpr double bearable_lost = 0.02;
 /// That share of the votes, of labels without normals and with them, and what of it may be left then.
 inline constexpr double open_behind = 0.03, open_behind_with_normals = 0.005, clearly_backed = 0.5;

@@ -60,6 +60,26 @@ TEST(BackSheets, ASheetWithTheOutsideOnBothSidesIsLost)
     EXPECT_EQ(find_lost_sheets(scan.samples, labelled, false, 1).share, 1);
 }
 
+TEST(BackSheets, ThoseApartDoNotHangTogether)
+{
+    // A vault without its middle strips: three pieces, the same for any number of threads.
+    Scan scan = scan_vault(40), pieces;
+    for (std::size_t i = 0; i < scan.samples.size(); ++i)
+        if (std::abs(std::abs(scan.samples[i].y()) - 0.12) > 0.06)
+        {
+            pieces.samples.push_back(scan.samples[i]);
+            pieces.normals.push_back(scan.normals[i]);
+        }
+    LabelledBalls labelled = label(pieces);
+    std::fill(labelled.labels.begin(), labelled.labels.end(), Side::outer);
+    for (const int threads : {1, 3})
+    {
+        const LostSheets lost = find_lost_sheets(pieces.samples, labelled, true, threads);
+        EXPECT_EQ(lost.share, 1);
+        EXPECT_NEAR(lost.largest, 0.39, 0.03); // a strip 0.17 wide of 0.46
+    }
+}
+
 TEST(BackSheets, ABackMakesASlabOfIt)
 {
     Scan scan = scan_vault(40);
