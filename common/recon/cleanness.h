@@ -30,8 +30,8 @@ struct Cleanness
     double lower_roughness = 0, noisy_places = 0;
     /// Share of samples with other sheets beside their own, see sheet_stack.h: 0.3 to 0.95 where thin walls are many.
     double stacked = 0;
-    double noise =
-        0; ///< Median distance to the quadric of the 12 nearest [length]: the noise, unless curvature hides it.
+    /// Median distance to the quadric of the 12 nearest [length]: the noise, unless curvature hides it.
+    double noise = 0;
 
     bool is_clean() const { return long_cells > 0.7 || flat_neighbours > 0.63; }
     /// Whether a wider fit follows the samples nearly as well as a narrow one, so that averages gain more than they

@@ -14,14 +14,7 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int coefficients = patch_coefficients;
-using Row = Eigen::Matrix<double, coefficients, 1>;
-
-Row row_at(const Vector& u)
-{
-    Row row;
-    row << 1, u[1], u[2], u[1] * u[1], u[1] * u[2], u[2] * u[2];
-    return row;
-}
+using Row = PatchRow;
 
 /// Gradient of the quadric with coefficients `c`.
 Eigen::Vector2d slope_at(const Vector& u, const Row& c)
@@ -71,11 +64,11 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
     for (int i = 0; i < count; ++i)
         residuals.push_back({frame.transpose() * ((points[neighbours[i]] - seed - mean) / radius), 0});
     const Row solution =
-        solve_for_heights<coefficients>(residuals, [&](std::size_t i) { return row_at(residuals[i].place); });
+        solve_for_heights<coefficients>(residuals, [&](std::size_t i) { return patch_row(residuals[i].place); });
     double heights = 0, distances = 0, fourth = 0;
     for (PatchResidual& r : residuals)
     {
-        r.height = r.place[0] - row_at(r.place).dot(solution);
+        r.height = r.place[0] - patch_row(r.place).dot(solution);
         const double square = r.height * r.height;
         heights += square;
         fourth += square * square;
@@ -83,7 +76,7 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
         distances += square / (1 + slope_at(r.place, solution).squaredNorm());
     }
     const Vector at_seed = frame.transpose() * (-mean / radius);
-    const double height = std::clamp(row_at(at_seed).dot(solution) - at_seed[0], -1.0, 1.0);
+    const double height = std::clamp(patch_row(at_seed).dot(solution) - at_seed[0], -1.0, 1.0);
     const auto deviation = [&](double squares) { return radius * std::sqrt(squares / (count - coefficients)); };
     return {deviation(heights), deviation(distances), heights > 0 ? count * fourth / (heights * heights) : 3,
             seed + radius * height * frame.col(0)};
@@ -112,7 +105,7 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
         const auto long_row = [&](std::size_t i)
         {
             LongRow row;
-            row << row_at(residuals[i].place), is_above[i] ? 1.0 : -1.0;
+            row << patch_row(residuals[i].place), is_above[i] ? 1.0 : -1.0;
             return row;
         };
         const LongRow solution = solve_for_heights<coefficients + 1>(residuals, long_row);
@@ -122,7 +115,7 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
         {
             const double rest = residuals[i].place[0] - long_row(i).dot(solution);
             after += rest * rest;
-            is_above[i] = residuals[i].place[0] > row_at(residuals[i].place).dot(solution.head<coefficients>());
+            is_above[i] = residuals[i].place[0] > patch_row(residuals[i].place).dot(solution.head<coefficients>());
         }
     }
     if (after / (n - coefficients - 1) > left_by_sheets * left_by_sheets * before / (n - coefficients))

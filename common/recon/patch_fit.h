@@ -10,6 +10,15 @@ namespace recon
 /// Coefficients of the quadric, and with them the fewest points that determine it.
 constexpr int patch_coefficients = 6;
 
+/// What a quadric's coefficients weigh at a place whose component 0 is along the normal.
+using PatchRow = Eigen::Matrix<double, patch_coefficients, 1>;
+inline PatchRow patch_row(const Vector& u)
+{
+    PatchRow row;
+    row << 1, u[1], u[2], u[1] * u[1], u[1] * u[2], u[2] * u[2];
+    return row;
+}
+
 /// Height of a neighbour over the best quadric, and its place in the principal frame [radii].
 struct PatchResidual
 {

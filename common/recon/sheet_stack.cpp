@@ -30,14 +30,6 @@ constexpr double largest_in_gap = 0.15, hopeless_in_gap = 0.5;
 constexpr double least_beyond = 0.5;
 
 using simd::FloatLanes;
-using Row = Eigen::Matrix<double, patch_coefficients, 1>;
-
-Row row_at(const Vector& u)
-{
-    Row row;
-    row << 1, u[0], u[1], u[0] * u[0], u[0] * u[1], u[1] * u[1];
-    return row;
-}
 
 /// Neighbours around the centre [radii], also coordinate by coordinate for vectors; what fills these up is far away.
 struct Neighbourhood
@@ -132,10 +124,10 @@ std::optional<StackedSheet> fit_sheet(const Neighbourhood& around, const Vector&
     constexpr int rounds = 3;
     const int n = int(around.places.size());
     Eigen::Matrix3d frame;
-    frame.row(2) = normal;
-    frame.row(0) = normal.unitOrthogonal();
-    frame.row(1) = normal.cross(frame.row(0).transpose());
-    Row quadric = Row::Zero();
+    frame.row(0) = normal;
+    frame.row(1) = normal.unitOrthogonal();
+    frame.row(2) = normal.cross(frame.row(1).transpose());
+    PatchRow quadric = PatchRow::Zero();
     std::vector<int> members;
     int in_gap = 0;
     double squares = 0;
@@ -143,25 +135,27 @@ std::optional<StackedSheet> fit_sheet(const Neighbourhood& around, const Vector&
     {
         Eigen::Matrix<double, patch_coefficients, patch_coefficients> matrix;
         matrix.setZero();
-        Row right = Row::Zero();
+        PatchRow right = PatchRow::Zero();
         members.clear();
         in_gap = 0;
         squares = 0;
         for (int i = 0; i < n; ++i)
         {
             const Vector u = frame * around.places[i];
-            const Row row = row_at(u);
-            const double height = u[2] - row.dot(quadric);
+            const PatchRow row = patch_row(u);
+            const double height = u[0] - row.dot(quadric);
             if (std::abs(height) < half_slab)
             {
                 matrix += row * row.transpose();
-                right += row * u[2];
+                right += row * u[0];
                 squares += height * height;
                 members.push_back(i);
             }
             else if (std::abs(height) < 2 * half_slab)
                 ++in_gap;
         }
+        if (round + 1 == rounds)
+            break;
         matrix.diagonal().array() += 1e-9 * double(members.size());
         quadric = matrix.ldlt().solve(right);
     }
