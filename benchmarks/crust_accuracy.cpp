@@ -1,6 +1,8 @@
 // How near the surface comes to the true one between its vertices, both ways: the raw crust, the simplified one, the
 // default (through the samples, edges along creases), and CGAL's advancing front, which interpolates too. Usage:
-// crust_accuracy <folder of models> <seed> [model...] [--sigmas 0,0.2]
+// crust_accuracy <folder of models> <seed> [model...] [--sigmas 0,0.2] [--samples n]
+// Samples are the vertices (and noisy copies of them), or n points all over the surface, so that its own triangles are
+// no answer.
 #include "mesh_distance.h"
 #include "models.h"
 #include "pn_models.h"
@@ -87,13 +89,18 @@ int main(int argc, char** argv)
 {
     if (argc < 3)
     {
-        std::fprintf(stderr, "usage: %s <folder of models> <seed> [model...] [--sigmas 0,0.2]\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <folder of models> <seed> [model...] [--sigmas 0,0.2] [--samples n]\n",
+                     argv[0]);
         return 2;
     }
+    const unsigned seed = unsigned(std::atoi(argv[2]));
+    int samples = 0;
     std::vector<std::string> models, sigmas = {"0"};
     for (int i = 3; i < argc; ++i)
         if (argv[i] == std::string("--sigmas") && i + 1 < argc)
             sigmas = split_at_commas(argv[++i]);
+        else if (argv[i] == std::string("--samples") && i + 1 < argc)
+            samples = std::atoi(argv[++i]);
         else
             models.push_back(argv[i]);
     std::printf("| model | sigma %% | surface | right | vertices | vertices' RMS | to the true surface, RMS | largest "
@@ -106,7 +113,10 @@ int main(int argc, char** argv)
         const Points true_points = sample_mesh(model.mesh, surface_points, 2).points;
         for (const std::string& sigma : sigmas)
         {
-            const Points cloud = noisy_cloud(model, std::atof(sigma.c_str()), unsigned(std::atoi(argv[2])));
+            Model sampled = model;
+            if (samples > 0)
+                sampled.mesh = {sample_mesh(model.mesh, samples, seed).points, {}, {}};
+            const Points cloud = noisy_cloud(sampled, std::atof(sigma.c_str()), seed);
             recon::NoisyPowerCrustOptions options;
             const auto crust = [&] { return recon::reconstruct_noisy_power_crust(cloud, options).mesh; };
             const auto begin_row = [&] { std::printf("| %s | %s |", name.c_str(), sigma.c_str()); };
