@@ -266,7 +266,8 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     result.surface = surface.report();
 
     BallLabellingOptions labelling;
-    labelling.share_balls = true; // the crust goes through the samples
+    labelling.share_balls = true;              // the crust goes through the samples
+    labelling.limit = BallLimit::fewest_votes; // of exact points
     labelling.threads = resolve_threads(options.threads);
     LabelledSamples found =
         label_points(points, surface, options.noise == 0, labelling, times, progress.part(0.3, 0.75, "labels"));

@@ -2,6 +2,8 @@
 
 #include <recon/crust_mesh.h>
 
+#include <utility>
+
 namespace recon
 {
 namespace
@@ -12,8 +14,9 @@ namespace
 constexpr double many_stacked = 0.25;
 /// Share of violated votes below which no thin wall had a handle too many.
 constexpr double undisputed_votes = 0.001;
-/// Share of them that labels with normals may leave: 0.1 to 0.45 where handles went.
-constexpr double clearly_fewer = 0.5;
+/// Share of them that labels with normals may leave: 0.1 to 0.45 where handles went. And both shares if at most half
+/// of the handles are left: 0.73 and 0.75 of the votes where louvres' and slots' false ones went.
+constexpr double clearly_fewer = 0.5, fewer = 0.8, half_of_handles = 0.5;
 
 int count_handles(const LabelledBalls& labelled, int threads)
 {
@@ -34,10 +37,13 @@ std::optional<LabelledBalls> label_thin_walls(const Points& samples, const Vecto
                                               PhaseTimes& times, const Progress& progress)
 {
     LabelledBalls labelled = label_polar_balls(samples, normals, options, times, progress);
-    if (labelled.violated_votes > clearly_fewer * found.violated_votes ||
-        count_handles(labelled, options.threads) >= count_handles(found, options.threads))
+    if (labelled.violated_votes > fewer * found.violated_votes)
         return {};
-    return labelled;
+    const bool has_clearly_fewer = labelled.violated_votes <= clearly_fewer * found.violated_votes;
+    const int before = count_handles(found, options.threads), after = count_handles(labelled, options.threads);
+    return after < before && (has_clearly_fewer || after <= half_of_handles * before)
+               ? std::optional(std::move(labelled))
+               : std::nullopt;
 }
 
 } // namespace recon

@@ -15,8 +15,8 @@ bool has_doubtful_handles(const LabelledBalls& found, double stacked, int thread
 
 /// Labels the balls of exact samples again, with the normals of their AMLS surface: across a thin wall or a narrow gap
 /// the votes of the next sheet are as loud as those of the own. The labels, if they violate half as many votes and have
-/// fewer handles than the ones `found` without normals. \param samples, normals, options, times as for
-/// label_polar_balls(). \throws Cancelled.
+/// fewer handles than the ones `found` without normals, or fewer votes and half as many handles. \param samples,
+/// normals, options, times as for label_polar_balls(). \throws Cancelled.
 std::optional<LabelledBalls> label_thin_walls(const Points& samples, const Vectors& normals,
                                               const BallLabellingOptions& options, const LabelledBalls& found,
                                               PhaseTimes& times, const Progress& progress = {});

@@ -23,13 +23,13 @@ namespace
 // Limits of the attempts, in the order in which they are made. Each has a sign that calls for it, and a share of what
 // speaks against the crust so far that it may keep: an attempt that keeps more balls fits any points better.
 
-// A clean cloud: balls by the spacing alone, then denoised.
-/// Share of points that a right surface may miss, at ears and folds.
-constexpr double bearable_miss = 0.01;
-/// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
-constexpr double clearly_better = 0.5;
+// A clean cloud: denoised.
+/// Share of points that a right surface may miss, at ears and folds: up to 0.003, 0.007 and more where limbs were lost.
+constexpr double bearable_miss = 0.004;
 
 // A denoised cloud: balls by the spacing alone, less noise, then open lids.
+/// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
+constexpr double clearly_better = 0.5;
 /// Share of points missed above which walls may be lost where faces were completed: what lies beside those that were
 /// not found is not noise either.
 constexpr double missed_beside_flats = 0.015;
@@ -88,7 +88,8 @@ public:
         options.noise = noise;
         PreparedSamples cloud = prepare_samples(points_, options, times_, progress.part(0, 0.35, "preparation"));
         noise_ = std::max(noise_, cloud.noise);
-        return label(std::move(cloud), false, progress.part(0.35, 1, "labels"));
+        const BallLimit limit = limit_for(cloud);
+        return label(std::move(cloud), limit, progress.part(0.35, 1, "labels"));
     }
 
     /// The points of an earlier attempt as they are, all balls kept by the spacing alone.
@@ -103,7 +104,7 @@ public:
             cloud.completion = {}; // on projected samples
         cloud.denoised = cloud.is_noisy = false;
         cloud.outliers = 0;
-        return label(std::move(cloud), true, progress);
+        return label(std::move(cloud), BallLimit::fine, progress);
     }
 
     /// A clean cloud of thin walls, whose votes do not agree, with the normals of its AMLS surface.
@@ -156,7 +157,7 @@ public:
         return std::move(best.attempt);
     }
 
-    /// A clean cloud whose crust the points contradict, with finer balls, then denoised.
+    /// A clean cloud whose crust misses points, denoised.
     LabelledCloud doubt_cleanness(LabelledCloud found, const Progress& progress)
     {
         const double violated = found.labelled.violated_votes;
@@ -164,22 +165,20 @@ public:
             return found;
         std::optional<Judged> best = judge(std::move(found));
         const bool is_flooded = violated > flooded_above;
-        // Walls that a little noise made look noisy lose their balls; then all votes across them say that the cup is
-        // full.
-        if (best->mismatch.sum() > bearable_mismatch && !is_flooded && points_.size() <= most_points_twice)
-            try_fine_balls(*best, violated, progress.part(0, 0.3, "fine balls"));
         if (best->mismatch.missed_points <= bearable_miss && !is_flooded)
             return std::move(best->attempt);
-        const double mismatch = best->mismatch.sum();
+        const double mismatch = best->mismatch.weighted_sum();
         if (points_.size() > most_points_twice)
             best.reset();
         {
             LabelledCloud second = prepare_and_label(Denoise::on, 0, progress.part(0.3, 0.7, "second attempt"));
-            if (is_flooded && second.labelled.violated_votes < violated)
-                return second;
-            if (!is_flooded)
-                if (Judged judged = judge(std::move(second)); judged.mismatch.sum() < mismatch)
+            if (second.labelled.violated_votes < violated)
+            {
+                if (is_flooded)
+                    return second;
+                if (Judged judged = judge(std::move(second)); judged.mismatch.weighted_sum() < mismatch)
                     return std::move(judged.attempt);
+            }
         }
         return best ? std::move(best->attempt)
                     : prepare_and_label(Denoise::automatic, 0, progress.part(0.7, 1, "first attempt again"));
@@ -216,7 +215,7 @@ public:
             backed = std::move(oriented.cloud);
         }
         const int backs = back_sheets(lost, backed.samples, backed.normals, threads);
-        LabelledCloud slabs = label(std::move(backed), false, progress.part(0.5, 1, "backs of sheets"));
+        LabelledCloud slabs = label(std::move(backed), BallLimit::local, progress.part(0.5, 1, "backs of sheets"));
         slabs.backs = backs;
         slabs.lost_sheets = lost.share;
         const bool has_fewer_violated = slabs.labelled.violated_votes <= clearly_backed * violated;
@@ -383,10 +382,17 @@ private:
         return result;
     }
 
-    LabelledCloud label(PreparedSamples cloud, bool fine, const Progress& progress)
+    /// Of a clean cloud every ball counts, unless it is noisy in parts that the gate did not see.
+    BallLimit limit_for(const PreparedSamples& cloud) const
+    {
+        const bool is_clean = !cloud.denoised && !cloud.is_noisy;
+        return is_clean && options_.noise == 0 ? BallLimit::fewest_votes : BallLimit::local;
+    }
+
+    LabelledCloud label(PreparedSamples cloud, BallLimit limit, const Progress& progress)
     {
         BallLabellingOptions labelling = options_for(cloud);
-        labelling.fine = fine;
+        labelling.limit = limit;
         return label_samples(std::move(cloud), labelling, times_, progress);
     }
 

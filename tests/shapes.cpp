@@ -256,6 +256,46 @@ Points stack_of_sheets(int sheets, int side, double gap, std::uint64_t seed)
     return points;
 }
 
+Points spiky_ball(double width, std::uint64_t seed)
+{
+    constexpr double radius = 8, length = 7, tip = 0.4;
+    constexpr int spikes = 12;
+    const double base = 0.5 * width;
+    Random random(seed);
+    const auto direction = [](double z, double angle) -> Vector
+    {
+        const double r = std::sqrt(1 - z * z);
+        return {r * std::cos(angle), r * std::sin(angle), z};
+    };
+    recon::Vectors axes;
+    for (int k = 0; k < spikes; ++k)
+        axes.push_back(direction(2 * (k + 0.5) / spikes - 1, 2.4 * k)); // nearly the golden angle
+    Points points;
+    for (int i = 0; i < int(4 * pi * radius * radius); ++i)
+    {
+        const Vector d = direction(2 * uniform(random) - 1, 2 * pi * uniform(random));
+        if (std::none_of(axes.begin(), axes.end(), [&](const Vector& a) { return d.dot(a) > std::cos(base / radius); }))
+            points.push_back(radius * d);
+    }
+    for (const Vector& axis : axes)
+    {
+        const Vector x = axis.unitOrthogonal(), y = axis.cross(x);
+        for (int i = 0; i < int(pi * (base + tip) * length); ++i)
+        {
+            double along = 0, r = 0;
+            do
+            {
+                along = uniform(random);
+                r = base + along * (tip - base);
+            } while (uniform(random) * base > r);
+            const double angle = 2 * pi * uniform(random);
+            points.push_back((radius + along * length) * axis + r * (std::cos(angle) * x + std::sin(angle) * y));
+        }
+        points.push_back((radius + length) * axis);
+    }
+    return points;
+}
+
 Points ball_on_a_ground(std::uint64_t seed)
 {
     Random random(seed);

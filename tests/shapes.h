@@ -50,6 +50,10 @@ recon::Points plate(double side, double thickness, const recon::Points& bores, d
 /// A plate of side 30 with 3 x 3 bores, 9 apart.
 recon::Points bored_plate(double thickness, double diameter, std::uint64_t seed);
 
+/// A ball of radius 8 with twelve blunt spikes 7 long, at their base `width` wide: random points, one a unit of
+/// area.
+recon::Points spiky_ball(double width, std::uint64_t seed);
+
 /// A ball of radius 12 that touches a square ground (z = 0) of side 100, not in its middle, seen from above: one sample
 /// a unit of area, jittered on the ground.
 recon::Points ball_on_a_ground(std::uint64_t seed);

@@ -33,6 +33,11 @@ constexpr double island_share = 0.02;
 /// or handles small, and every ball counts. Projected samples violate some by what is left of the noise.
 constexpr double undisputed_votes = 0.001, undisputed_votes_with_normals = 0.003;
 
+/// Up to this share of violated votes the balls of clean samples that the spacing lets stay are not doubted: clouds of
+/// which a twelfth is noisy violate 0.0036 and more, 0.001 to 0.007 by the local scale; where thin ends look noisy the
+/// local scale, which cuts them off, violates more.
+constexpr double hardly_disputed_votes = 0.003;
+
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real
 /// holes to the repair, 2 adds handles to folds (man, anchor_dense). Where the labels then still contradict most of the
 /// cloud, attraction is overrated: across a flat with samples on its rim only, the density of the rim asks for samples
@@ -196,36 +201,32 @@ ShortHandleOptions options_for_handles(bool oriented, double noise, int threads)
     return options;
 }
 
-/// Steps 1 and 2: poles of the samples, and how large a ball must be.
+/// Steps 1 and 2: poles of the samples.
 struct PolesFound
 {
     Triangulation delaunay;
     Poles poles;
-    BlockSearch search; ///< Over the samples without the corners of the box.
-    BallScale scale;
+    Points samples;     ///< Without the corners of the box, as are the following.
+    BlockSearch search; ///< Over the samples.
+    SampleSpacing spacing;
 };
 
 /// \param samples with the corners of the box, here and below.
-PolesFound find_poles_and_scale(const Points& samples, const Vectors& normals, const BallLabellingOptions& options,
-                                PhaseTimes& times, const Progress& progress)
+PolesFound find_all_poles(const Points& samples, const Vectors& normals, int threads, PhaseTimes& times,
+                          const Progress& progress)
 {
-    const bool oriented = !normals.empty();
-    const int threads = options.threads;
     PolesFound result;
     times.begin("Delaunay triangulation");
     const Triangulation& delaunay = result.delaunay =
         triangulate_delaunay(samples, progress.part(0, 0.9, "Delaunay triangulation"), threads);
-    const Points free_samples(samples.begin(), samples.end() - box_corner_count);
-    result.search = BlockSearch(free_samples);
-    const SampleSpacing spacing = measure_spacing(free_samples, result.search, threads);
+    result.samples.assign(samples.begin(), samples.end() - box_corner_count);
+    result.search = BlockSearch(result.samples);
+    result.spacing = measure_spacing(result.samples, result.search, threads);
 
     times.begin("polar balls");
-    result.poles = oriented ? find_poles_along_normals(delaunay, samples, normals, threads)
-                            : find_poles(delaunay, samples, threads);
+    result.poles = normals.empty() ? find_poles(delaunay, samples, threads)
+                                   : find_poles_along_normals(delaunay, samples, normals, threads);
     find_slant_poles(delaunay, samples, result.poles, threads);
-    result.scale = oriented || options.fine ? choose_fine_scale(spacing)
-                                            : choose_scale(spacing, free_samples, result.search, delaunay, result.poles,
-                                                           options.noise, threads);
     progress.report(1);
     return result;
 }
@@ -240,20 +241,19 @@ struct KeptBalls
 };
 
 /// Step 3. \param poles those found, or shared ones.
-KeptBalls keep_balls(const Points& samples, const PolesFound& found, const Poles& poles,
+KeptBalls keep_balls(const Points& samples, const PolesFound& found, const BallScale& scale, const Poles& poles,
                      const BallLabellingOptions& options)
 {
     KeptBalls result;
-    result.polar = keep_polar_balls(found.delaunay, samples, poles,
-                                    [&](double radius, const std::array<int, 4>& touched)
-                                    {
-                                        return radius >= (options.ball_threshold > 0
-                                                              ? options.ball_threshold
-                                                              : average_over(touched, found.scale.threshold));
-                                    });
-    result.scale = average_over_touched(result.polar, found.scale.scale);
-    result.density = average_over_touched(result.polar, found.scale.density);
-    result.median_spacing = found.scale.median_spacing;
+    result.polar =
+        keep_polar_balls(found.delaunay, samples, poles,
+                         [&](double radius, const std::array<int, 4>& touched) {
+                             return radius >= (options.ball_threshold > 0 ? options.ball_threshold
+                                                                          : average_over(touched, scale.threshold));
+                         });
+    result.scale = average_over_touched(result.polar, scale.scale);
+    result.density = average_over_touched(result.polar, scale.density);
+    result.median_spacing = scale.median_spacing;
     result.votes = list_opposite_votes(samples, result.polar, found.search, options.threads);
     return result;
 }
@@ -386,37 +386,69 @@ Labels find_labels(KeptBalls kept, const Points& samples, const Vectors& normals
             std::move(graph)};
 }
 
+/// With shared balls; none if that contradicts votes.
+std::optional<Labels> find_shared_labels(const Points& samples, const PolesFound& found, const BallScale& scale,
+                                         const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
+                                         const Progress& progress)
+{
+    times.begin("polar balls");
+    Poles shared = found.poles;
+    share_poles(found.delaunay, samples, shared, options.threads);
+    Labels result =
+        find_labels(keep_balls(samples, found, scale, shared, options), samples, normals, options, times, progress);
+    if (result.balls.violated_votes > (normals.empty() ? undisputed_votes : undisputed_votes_with_normals))
+        return {};
+    return result;
+}
+
+/// Steps 3 to 5 before repair. Frees `found` where most memory is needed.
+Labels find_best_labels(const Points& samples, PolesFound found, const Vectors& normals,
+                        const BallLabellingOptions& options, PhaseTimes& times, const Progress& progress)
+{
+    const bool oriented = !normals.empty();
+    const auto choose_local_scale = [&]
+    {
+        return choose_scale(found.spacing, found.samples, found.search, found.delaunay, found.poles, options.noise,
+                            options.threads);
+    };
+    times.begin("polar balls");
+    const BallScale scale =
+        !oriented && options.limit == BallLimit::local ? choose_local_scale() : choose_fine_scale(found.spacing);
+    if (options.share_balls && options.limit != BallLimit::fine && options.opened.empty())
+        if (std::optional<Labels> shared =
+                find_shared_labels(samples, found, scale, normals, options, times, progress.part(0, 0.4, "labels")))
+            return std::move(*shared);
+    times.begin("polar balls");
+    KeptBalls kept = keep_balls(samples, found, scale, found.poles, options);
+    const bool may_have_rival = !oriented && options.limit == BallLimit::fewest_votes && options.ball_threshold == 0;
+    if (!may_have_rival)
+        found = {};
+    Labels result = find_labels(std::move(kept), samples, normals, options, times, progress.part(0.4, 0.7, "labels"));
+    if (!may_have_rival || result.balls.violated_votes <= hardly_disputed_votes)
+        return result;
+    times.begin("polar balls");
+    KeptBalls fewer = keep_balls(samples, found, choose_local_scale(), found.poles, options);
+    found = {};
+    if (fewer.polar.balls.size() == result.balls.kept.balls.size())
+        return result;
+    Labels local = find_labels(std::move(fewer), samples, normals, options, times, progress.part(0.7, 1, "labels"));
+    return local.balls.violated_votes < result.balls.violated_votes ? std::move(local) : std::move(result);
+}
+
 } // namespace
 
 LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options,
                                 PhaseTimes& times, const Progress& progress)
 {
-    const bool oriented = !normals.empty();
     append_box_corners(samples);
-    PolesFound found = find_poles_and_scale(samples, normals, options, times, progress.part(0, 0.35, "polar balls"));
-    std::optional<Labels> result;
-    if (options.share_balls && !options.fine && options.opened.empty())
-    {
-        Poles shared = found.poles;
-        share_poles(found.delaunay, samples, shared, options.threads);
-        result = find_labels(keep_balls(samples, found, shared, options), samples, normals, options, times,
-                             progress.part(0.35, 0.6, "labels"));
-        if (result->balls.violated_votes > (oriented ? undisputed_votes_with_normals : undisputed_votes))
-            result.reset();
-    }
-    if (!result)
-    {
-        times.begin("polar balls");
-        KeptBalls kept = keep_balls(samples, found, found.poles, options);
-        found = {};
-        result = find_labels(std::move(kept), samples, normals, options, times, progress.part(0.6, 0.85, "labels"));
-    }
-    found = {};
+    PolesFound found = find_all_poles(samples, normals, options.threads, times, progress.part(0, 0.35, "polar balls"));
+    Labels result =
+        find_best_labels(samples, std::move(found), normals, options, times, progress.part(0.35, 0.85, "labels"));
     times.begin("repair");
-    repair(result->balls, result->graph, samples, normals, options.noise_taken, options.threads);
+    repair(result.balls, result.graph, samples, normals, options.noise_taken, options.threads);
     progress.part(0.85, 1, "repair").report(1);
     times.end();
-    return std::move(result->balls);
+    return std::move(result.balls);
 }
 
 } // namespace recon

@@ -13,6 +13,14 @@
 namespace recon
 {
 
+/// Where a polar ball of samples without normals is too small to stay, if no threshold is given.
+enum class BallLimit
+{
+    local,       ///< By the local scale, see choose_scale(): around samples that look noisy larger ones go, too.
+    fine,        ///< Nothing is noise: by the spacing alone, however thin the part that they fill.
+    fewest_votes ///< Whichever of these two contradicts fewer votes: for clouds that are clean, but perhaps for parts.
+};
+
 /// Options of label_polar_balls(). Lengths are in the unit frame.
 struct BallLabellingOptions
 {
@@ -21,7 +29,7 @@ struct BallLabellingOptions
     double noise_taken =
         0; ///< Standard deviation of the noise that samples with normals had [unit length], >= 0. 0 = not known.
     double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
-    bool fine = false; ///< Nothing is noise: balls stay by the spacing alone, however thin the wall around them.
+    BallLimit limit = BallLimit::local;
     /// Samples may share polar balls as long as the labels contradict next to none of their votes, see share_poles().
     bool share_balls = false;
     /// Balls that are outer, as numbered by an earlier run on the same samples with all else equal, in which none were

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace recon
@@ -33,21 +34,38 @@ Points choose_asked(const Points& points)
     return asked;
 }
 
-double measure_missed_points(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search,
-                             double noise, int threads, const Progress& progress)
+/// Without bare area.
+Mismatch measure_missed(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search, double noise,
+                        int threads, const Progress& progress)
 {
+    Mismatch result;
     if (mesh.triangles.empty())
-        return 1;
+    {
+        result.missed_points = 1;
+        result.missed_by = std::numeric_limits<double>::infinity();
+        return result;
+    }
     const TriangleTree tree(mesh.vertices, mesh.triangles);
     const Points asked = choose_asked(points);
-    std::vector<char> is_missed(asked.size());
+    std::vector<double> missed_by(asked.size(), 0); // squared [spacings]
     parallel_for(asked.size(), threads, progress,
                  [&](std::size_t i)
                  {
-                     const double reach = std::max(measure_spacing_at(asked[i], search), reach_of_noise * noise);
-                     is_missed[i] = tree.squared_distance_from(asked[i]) > reach * reach;
+                     const double spacing = measure_spacing_at(asked[i], search),
+                                  reach = std::max(spacing, reach_of_noise * noise),
+                                  squared = tree.squared_distance_from(asked[i]);
+                     if (squared > reach * reach)
+                         missed_by[i] = squared / (spacing * spacing);
                  });
-    return double(std::count(is_missed.begin(), is_missed.end(), 1)) / double(asked.size());
+    double sum = 0;
+    for (const double squared : missed_by)
+    {
+        sum += squared;
+        result.missed_points += squared > 0;
+    }
+    result.missed_points /= double(asked.size());
+    result.missed_by = std::sqrt(sum / double(asked.size()));
+    return result;
 }
 
 double measure_bare_area(const Points& points, const TriangleMesh& mesh, const NeighbourSearch& search, int threads,
@@ -121,11 +139,10 @@ NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh,
 
 Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)
 {
-    Mismatch result;
     if (points.empty())
-        return result;
+        return {};
     const NeighbourSearch search(points);
-    result.missed_points = measure_missed_points(points, mesh, search, 0, threads, progress.part(0, 0.5, "points"));
+    Mismatch result = measure_missed(points, mesh, search, 0, threads, progress.part(0, 0.5, "points"));
     result.bare_area = measure_bare_area(points, mesh, search, threads, progress.part(0.5, 1, "area"));
     return result;
 }
@@ -133,7 +150,9 @@ Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int th
 double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress,
                              double noise)
 {
-    return points.empty() ? 0 : measure_missed_points(points, mesh, NeighbourSearch(points), noise, threads, progress);
+    return points.empty()
+               ? 0
+               : measure_missed(points, mesh, NeighbourSearch(points), noise, threads, progress).missed_points;
 }
 
 double measure_bare_area(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)

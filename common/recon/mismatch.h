@@ -14,13 +14,16 @@ struct Mismatch
 {
     double missed_points =
         0; ///< Share of points farther from the surface than their spacing [0..1]: lost limbs, buried walls.
+    double missed_by = 0; ///< Root mean square of their distances, those of all others counted as 0 [spacings].
     double bare_area = 0; ///< Share of the area farther than two spacings from any point [0..1]: closed gaps, bulges.
     double sum() const { return missed_points + bare_area; }
+    /// Where a limb is lost, its end is missed by more than its root.
+    double weighted_sum() const { return missed_by + bare_area; }
 };
 
-/// Below this share of violated votes crusts of clean clouds missed no points; the question would take a tenth of the
-/// time.
-inline constexpr double suspicious_votes = 0.01;
+/// Below this share of violated votes crusts of clean clouds missed next to no points; the question would take a tenth
+/// of the time.
+inline constexpr double suspicious_votes = 0.004;
 /// Mismatch above which a hollow may have been closed over, of the points and the crust of a clean cloud.
 inline constexpr double bearable_mismatch = 0.05;
 

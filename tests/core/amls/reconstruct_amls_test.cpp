@@ -84,6 +84,16 @@ TEST(ReconstructAmls, MakesASmoothClosedTorus)
     EXPECT_EQ(found.nearest_sample.size(), found.mesh.vertices.size());
 }
 
+TEST(ReconstructAmls, SpikesOfACleanBallAreNotCutOff)
+{
+    const Points points = shapes::spiky_ball(2.4, 1);
+    const AmlsReconstruction found = reconstruct_amls(points);
+    EXPECT_TRUE(checks::examine_mesh(found.mesh).is_closed_oriented_manifold());
+    EXPECT_EQ(found.components, 1);
+    EXPECT_EQ(found.genus, 0);
+    EXPECT_GT(found.mesh.vertices.size(), 0.98 * double(points.size()));
+}
+
 TEST(ReconstructAmls, PassesThroughCleanPoints)
 {
     const Points points = shapes::torus(4000, 1, 0.4, 1).points;

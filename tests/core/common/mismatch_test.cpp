@@ -45,6 +45,24 @@ TEST(MeasureMismatch, CountsThePointsAndTheAreaOfWhatOnlyOneOfThemHas)
     EXPECT_NEAR(measure_missed_points(points, half, 1, {}, 0.05), 0.25, 0.08); // 0.25 and more off the rim
 }
 
+// Twice as far off counts four times, and points within their spacing not at all.
+TEST(MeasureMismatch, WeighsMissedPointsByTheirDistance)
+{
+    const TriangleMesh mesh = sphere_crust();
+    const auto measure = [&](double off)
+    {
+        Points points;
+        for (const Point& p : shapes::sphere(3000, 0.5, 1).points)
+            points.push_back(p * (1 + 2 * off));
+        return measure_mismatch(points, mesh);
+    };
+    const Mismatch near = measure(0.005), far = measure(0.2), farther = measure(0.4);
+    EXPECT_EQ(near.missed_by, 0);
+    EXPECT_EQ(far.missed_points, 1);
+    EXPECT_NEAR(farther.missed_by / far.missed_by, 2 * 1.4 / 1.8, 0.02); // the spacing grows with the sphere
+    EXPECT_EQ(far.weighted_sum(), far.missed_by + far.bare_area);
+}
+
 // Points over a square in the plane z = 0.
 TEST(MeasureNoiseMisfit, TellsTwoSheetsFromNoise)
 {
@@ -98,6 +116,7 @@ TEST(MeasureMismatch, IsTheSameForAnyNumberOfThreads)
     const TriangleMesh mesh = sphere_crust();
     const Mismatch one = measure_mismatch(points, mesh, 1), three = measure_mismatch(points, mesh, 3);
     EXPECT_EQ(one.missed_points, three.missed_points);
+    EXPECT_EQ(one.missed_by, three.missed_by);
     EXPECT_EQ(one.bare_area, three.bare_area);
 }
 

@@ -43,6 +43,19 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
     }
 }
 
+// What is cut off of each is no vertex: 2 to 5 % of the samples where the local scale takes spikes for noise.
+TEST(NoisyPowerCrust, SpikesOfACleanBallAreNotCutOff)
+{
+    const Points points = shapes::spiky_ball(2.4, 1);
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+    EXPECT_FALSE(crust.denoised);
+    const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 0);
+    EXPECT_GT(crust.mesh.vertices.size(), 0.98 * double(points.size()));
+}
+
 // The first attempt takes the cup's walls for noise and completes the rod's ends.
 TEST(NoisyPowerCrust, ACupBesideARodSampledOnItsRimsIsNotFilled)
 {
