@@ -156,17 +156,18 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     if (!looks_exact(cleanness, report.least_noise))
         return {};
     LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0, 0.5, "polar balls"));
-    const auto list_normals = [&] { return points_at(kept, list_surface_normals(points, surface, labelling.threads)); };
+    const auto list_normals = [&](const Progress& part)
+    { return points_at(kept, list_surface_normals(points, surface, labelling.threads, part)); };
     // So open a cloud, as a shallow dome, needs the surface's normals, which are those of the points where it passes
     // through them.
     if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)
-        labelled = label_polar_balls(distinct, list_normals(), labelling, times, progress.part(0.5, 1, "polar balls"));
+        labelled =
+            label_polar_balls(distinct, list_normals({}), labelling, times, progress.part(0.5, 1, "polar balls"));
     if (labelled.violated_votes > flooded_above)
         return {};
-    if (has_doubtful_handles(labelled, cleanness.stacked, labelling.threads))
-        if (std::optional<LabelledBalls> better = label_thin_walls(distinct, list_normals(), labelling, labelled, times,
-                                                                   progress.part(0.5, 1, "thin walls")))
-            labelled = std::move(*better);
+    if (std::optional<LabelledBalls> better = label_thin_walls(distinct, cleanness.stacked, list_normals, labelling,
+                                                               labelled, times, progress.part(0.5, 1, "thin walls")))
+        labelled = std::move(*better);
     return LabelledSamples{frame, std::move(distinct), std::move(labelled), isolated, true};
 }
 

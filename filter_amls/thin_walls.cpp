@@ -2,8 +2,6 @@
 
 #include <recon/crust_mesh.h>
 
-#include <utility>
-
 namespace recon
 {
 namespace
@@ -27,23 +25,25 @@ int count_handles(const LabelledBalls& labelled, int threads)
 
 } // namespace
 
-bool has_doubtful_handles(const LabelledBalls& found, double stacked, int threads)
-{
-    return stacked > many_stacked && found.violated_votes > undisputed_votes && count_handles(found, threads) > 0;
-}
-
-std::optional<LabelledBalls> label_thin_walls(const Points& samples, const Vectors& normals,
+std::optional<LabelledBalls> label_thin_walls(const Points& samples, double stacked,
+                                              const std::function<Vectors(const Progress&)>& list_normals,
                                               const BallLabellingOptions& options, const LabelledBalls& found,
                                               PhaseTimes& times, const Progress& progress)
 {
-    LabelledBalls labelled = label_polar_balls(samples, normals, options, times, progress);
+    if (stacked <= many_stacked || found.violated_votes <= undisputed_votes)
+        return {};
+    const int before = count_handles(found, options.threads);
+    if (before == 0)
+        return {};
+    const Vectors normals = list_normals(progress.part(0, 0.5, "normals"));
+    LabelledBalls labelled = label_polar_balls(samples, normals, options, times, progress.part(0.5, 1, "polar balls"));
     if (labelled.violated_votes > fewer * found.violated_votes)
         return {};
     const bool has_clearly_fewer = labelled.violated_votes <= clearly_fewer * found.violated_votes;
-    const int before = count_handles(found, options.threads), after = count_handles(labelled, options.threads);
-    return after < before && (has_clearly_fewer || after <= half_of_handles * before)
-               ? std::optional(std::move(labelled))
-               : std::nullopt;
+    const int after = count_handles(labelled, options.threads);
+    if (after >= before || (!has_clearly_fewer && after > half_of_handles * before))
+        return {};
+    return labelled;
 }
 
 } // namespace recon

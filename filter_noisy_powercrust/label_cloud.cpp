@@ -24,8 +24,8 @@ namespace
 // speaks against the crust so far that it may keep: an attempt that keeps more balls fits any points better.
 
 // A clean cloud: denoised.
-/// Share of points that a right surface may miss, at ears and folds: up to 0.003, 0.007 and more where limbs were lost.
-constexpr double bearable_miss = 0.004;
+/// Share of points that a right surface may miss, at ears and folds: up to 0.001; 0.007 and more where limbs are lost.
+constexpr double bearable_miss = 0.0015;
 
 // A denoised cloud: balls by the spacing alone, less noise, then open lids.
 /// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
@@ -110,18 +110,19 @@ public:
     /// A clean cloud of thin walls, whose votes do not agree, with the normals of its AMLS surface.
     LabelledCloud orient_walls(LabelledCloud found, const Progress& progress)
     {
-        if (found.cloud.denoised || found.completed > 0 || points_.size() > most_points_twice ||
-            !has_doubtful_handles(found.labelled, found.cloud.stacked, labelling_.threads))
+        if (found.cloud.denoised || found.completed > 0 || points_.size() > most_points_twice)
             return found;
-        times_.begin("AMLS");
-        const Points sorted = points_at(found.cloud.order, points_);
-        const AmlsSurface surface =
-            build_amls_surface(sorted, surface_options_for(options_), progress.part(0, 0.3, "AMLS surface"));
-        const Vectors normals =
-            list_surface_normals(sorted, surface, options_.threads, progress.part(0.3, 0.5, "normals"));
+        const auto list_normals = [&](const Progress& part)
+        {
+            times_.begin("AMLS");
+            const Points sorted = points_at(found.cloud.order, points_);
+            const AmlsSurface surface =
+                build_amls_surface(sorted, surface_options_for(options_), part.part(0, 0.6, "AMLS surface"));
+            return list_surface_normals(sorted, surface, options_.threads, part.part(0.6, 1, "normals"));
+        };
         if (std::optional<LabelledBalls> better =
-                label_thin_walls(found.cloud.samples, normals, options_for(found.cloud), found.labelled, times_,
-                                 progress.part(0.5, 1, "thin walls")))
+                label_thin_walls(found.cloud.samples, found.cloud.stacked, list_normals, options_for(found.cloud),
+                                 found.labelled, times_, progress))
         {
             found.labelled = std::move(*better);
             found.polygons.reset();

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <utility>
 
 using namespace recon;
@@ -21,6 +22,18 @@ struct Labelled
     Points samples;
     Vectors normals; ///< Of their AMLS surface.
     LabelledBalls plain;
+    int asked = 0; ///< How often the normals were wanted.
+
+    std::optional<LabelledBalls> label_again(double stacked)
+    {
+        PhaseTimes times;
+        const auto list_normals = [&](const Progress&)
+        {
+            ++asked;
+            return normals;
+        };
+        return label_thin_walls(samples, stacked, list_normals, {}, plain, times);
+    }
 };
 
 Labelled label(const Points& points)
@@ -42,14 +55,13 @@ int count_handles(const LabelledBalls& labelled)
 
 TEST(LabelThinWalls, NormalsTakeHandlesAway)
 {
-    PhaseTimes times;
     for (const auto& [wall, gap] : {std::pair{2.3, 1.5}, {2.3, 1.7}, {1.7, 2.3}})
     {
-        const Labelled fins = label(shapes::HeatSink(8, wall, gap, 14, 25, 4).points);
+        Labelled fins = label(shapes::HeatSink(8, wall, gap, 14, 25, 4).points);
         ASSERT_GT(count_handles(fins.plain), 0);
-        EXPECT_TRUE(has_doubtful_handles(fins.plain, 0.5, 1));
-        EXPECT_FALSE(has_doubtful_handles(fins.plain, 0.1, 1)); // solid, with bores that normals may close
-        const auto better = label_thin_walls(fins.samples, fins.normals, {}, fins.plain, times);
+        EXPECT_FALSE(fins.label_again(0.1)); // solid, with bores that normals may close
+        EXPECT_EQ(fins.asked, 0);
+        const auto better = fins.label_again(0.5);
         ASSERT_TRUE(better) << wall << ' ' << gap;
         EXPECT_EQ(count_handles(*better), 0) << wall << ' ' << gap;
         EXPECT_LT(better->violated_votes, 0.5 * fins.plain.violated_votes);
@@ -58,17 +70,16 @@ TEST(LabelThinWalls, NormalsTakeHandlesAway)
 
 TEST(LabelThinWalls, RealHandlesAreNotAskedAbout)
 {
-    PhaseTimes times;
-    const Labelled torus = label(shapes::torus(2000, 1, 0.3, 3).points);
-    EXPECT_FALSE(has_doubtful_handles(torus.plain, 0.5, 1)); // no vote objects
-    EXPECT_FALSE(label_thin_walls(torus.samples, torus.normals, {}, torus.plain, times));
+    Labelled torus = label(shapes::torus(2000, 1, 0.3, 3).points);
+    EXPECT_FALSE(torus.label_again(0.5)); // no vote objects
+    EXPECT_EQ(torus.asked, 0);
 }
 
 TEST(LabelThinWalls, NormalsThatViolateMoreAreNotBelieved)
 {
-    PhaseTimes times;
     Labelled fins = label(shapes::HeatSink(8, 2.3, 1.5, 14, 25, 4).points);
     for (Vector& normal : fins.normals)
         normal = Vector(1, 0, 0);
-    EXPECT_FALSE(label_thin_walls(fins.samples, fins.normals, {}, fins.plain, times));
+    EXPECT_FALSE(fins.label_again(0.5));
+    EXPECT_EQ(fins.asked, 1);
 }
