@@ -83,3 +83,16 @@ TEST(LabelThinWalls, NormalsThatViolateMoreAreNotBelieved)
     EXPECT_FALSE(fins.label_again(0.5));
     EXPECT_EQ(fins.asked, 1);
 }
+
+// Half of the handles gone, or all, vouch for labels that violate little fewer votes.
+TEST(LabelThinWalls, FewHandlesLeftMakeUpForVotes)
+{
+    Labelled fins = label(shapes::HeatSink(8, 2.3, 1.5, 14, 25, 4).points);
+    const auto better = fins.label_again(0.5);
+    ASSERT_TRUE(better);
+    ASSERT_EQ(count_handles(*better), 0);
+    fins.plain.violated_votes = better->violated_votes / 0.7;
+    EXPECT_TRUE(fins.label_again(0.5));
+    fins.plain.violated_votes = better->violated_votes / 0.9;
+    EXPECT_FALSE(fins.label_again(0.5));
+}
