@@ -206,10 +206,14 @@ struct PolesFound
 {
     Triangulation delaunay;
     Poles poles;
-    Points samples;     ///< Without the corners of the box, as are the following.
-    BlockSearch search; ///< Over the samples.
+    BlockSearch search; ///< Over the samples without the corners of the box.
     SampleSpacing spacing;
 };
+
+Points without_corners(const Points& samples)
+{
+    return {samples.begin(), samples.end() - box_corner_count};
+}
 
 /// \param samples with the corners of the box, here and below.
 PolesFound find_all_poles(const Points& samples, const Vectors& normals, int threads, PhaseTimes& times,
@@ -219,9 +223,9 @@ PolesFound find_all_poles(const Points& samples, const Vectors& normals, int thr
     times.begin("Delaunay triangulation");
     const Triangulation& delaunay = result.delaunay =
         triangulate_delaunay(samples, progress.part(0, 0.9, "Delaunay triangulation"), threads);
-    result.samples.assign(samples.begin(), samples.end() - box_corner_count);
-    result.search = BlockSearch(result.samples);
-    result.spacing = measure_spacing(result.samples, result.search, threads);
+    const Points free_samples = without_corners(samples);
+    result.search = BlockSearch(free_samples);
+    result.spacing = measure_spacing(free_samples, result.search, threads);
 
     times.begin("polar balls");
     result.poles = normals.empty() ? find_poles(delaunay, samples, threads)
@@ -408,8 +412,8 @@ Labels find_best_labels(const Points& samples, PolesFound found, const Vectors& 
     const bool oriented = !normals.empty();
     const auto choose_local_scale = [&]
     {
-        return choose_scale(found.spacing, found.samples, found.search, found.delaunay, found.poles, options.noise,
-                            options.threads);
+        return choose_scale(found.spacing, without_corners(samples), found.search, found.delaunay, found.poles,
+                            options.noise, options.threads);
     };
     times.begin("polar balls");
     const BallScale scale =
