@@ -1,7 +1,7 @@
 // Refinement of sparse samples against the mesh they were taken from, plain centroid insertion and CGAL's edge-aware
 // upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-b first seed] [-c] [-o folder]
-// [-m mode] [-f] [-e] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases
-// detected.
+// [-m mode] [-f] [-e] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases are
+// not detected.
 #include "mesh_distance.h"
 #include "pn_models.h"
 
@@ -63,7 +63,7 @@ int main(int argc, char** argv)
         else if (word == "-f")
             with_face_normals = true;
         else if (word == "-e")
-            options.detect_creases = true;
+            options.detect_creases = false;
         else if (word == "-o")
             output = argv[++i];
         else if (word == "-m")

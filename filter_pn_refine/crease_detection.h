@@ -3,7 +3,7 @@
 #include "added_samples.h"
 #include "usable_samples.h"
 
-#include <recon/block_search.h>
+#include <vector>
 
 namespace recon::pn
 {
@@ -11,7 +11,10 @@ namespace recon::pn
 /// Crease samples found in a cloud that has none: two points at one position, one with each normal, and three at
 /// corners (samples of the result that share a position follow each other). Where near points' normals differ by more
 /// than `crease_angle` [radians], the crease runs along the intersection of their tangent planes, or the corner lies
-/// where three of them meet; creases are sampled about as densely as the cloud.
-AddedSamples detect_creases(const UsableSamples& usable, const BlockSearch& search, double crease_angle);
+/// where three of them meet; creases are sampled about as densely as the cloud. Only lines along which both faces end
+/// sharply (ends_sharply()) in enough places are creases: clouds of smooth shapes and noisy clouds get none.
+/// \param spacing as from find_spacing().
+AddedSamples detect_creases(const UsableSamples& usable, const std::vector<float>& spacing, double crease_angle,
+                            int threads);
 
 } // namespace recon::pn

@@ -120,6 +120,10 @@ void find_faces(const Level& level, Workspace& w)
     const LocalPoints& points = w.old_points;
     const auto flags_of = [&](int j) { return level.points[std::size_t(points.index[j])].flags; };
     w.faces.assign(std::size_t(points.count), FaceDirection{});
+    w.edge_points.clear();
+    w.is_crease.resize(std::size_t(points.count));
+    for (int j = 0; j < points.count; ++j)
+        w.is_crease[std::size_t(j)] = (flags_of(j) & WorkPoint::crease) != 0;
     std::vector<int> creases;
     for (int j = 0; j < points.count; ++j)
         if (flags_of(j) & (WorkPoint::above | WorkPoint::below))
@@ -136,7 +140,39 @@ void find_faces(const Level& level, Workspace& w)
             w.faces[std::size_t(j)] = {(points.nx[t] - c * points.nx[j]) * scale,
                                        (points.ny[t] - c * points.ny[j]) * scale,
                                        (points.nz[t] - c * points.nz[j]) * scale};
+            w.edge_points.push_back(j);
         }
+}
+
+void reject_behind_edges(Workspace& w, const Centre& c)
+{
+    constexpr float same_face = 0.8f, in_plane = 0.3f; // cosine, sine
+    const LocalPoints& points = w.old_points;
+    Candidates& of = w.candidates;
+    const float radius = 1 / c.inverse_radius;
+    for (int k = 0; k < lane_count; ++k)
+    {
+        if (!(of.usable >> k & 1u))
+            continue;
+        const float x = of.x[k] * radius + c.x, y = of.y[k] * radius + c.y, z = of.z[k] * radius + c.z;
+        float nearest = 1e30f;
+        bool is_behind = false;
+        for (int j : w.edge_points)
+        {
+            const float dx = x - points.x[j], dy = y - points.y[j], dz = z - points.z[j],
+                        squared = dx * dx + dy * dy + dz * dz;
+            if (squared >= nearest ||
+                of.nx[k] * points.nx[j] + of.ny[k] * points.ny[j] + of.nz[k] * points.nz[j] < same_face)
+                continue;
+            const float height = dx * points.nx[j] + dy * points.ny[j] + dz * points.nz[j];
+            if (height * height > in_plane * in_plane * squared)
+                continue;
+            nearest = squared;
+            is_behind = leads_behind(w.faces[std::size_t(j)], dx, dy, dz);
+        }
+        if (is_behind)
+            of.usable &= ~(1u << k);
+    }
 }
 
 void reject_other_side(Workspace& w, const Centre& c, const FaceDirection& own_face, float least_crease_agreement,

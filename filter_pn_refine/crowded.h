@@ -17,6 +17,9 @@ int choose_hits(const LocalPoints& points, const Centre& c, float least_crease_a
 /// Finds Workspace::faces.
 void find_faces(const Level& level, Workspace& w);
 
+/// Candidates beyond the nearest edge of their face, as in the mouth of a bore, are none.
+void reject_behind_edges(Workspace& w, const Centre& c);
+
 /// New points on the other side of a crease still keep others at a distance, but join nothing.
 void reject_other_side(Workspace& w, const Centre& c, const FaceDirection& own_face, float least_crease_agreement,
                        float least_distance);

@@ -67,7 +67,9 @@ FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, 
     set_tangents(c);
     local.pad(local.count);
     int count = kernels().find_near(local, c, hits);
-    if (std::any_of(nearest, nearest + found, [&](int j) { return rule.is_crease[std::size_t(j)] != 0; }))
+    constexpr int beside = 12; // farther from creases normals of neighbours may differ as much as elsewhere
+    if (std::any_of(nearest, nearest + std::min(found, beside),
+                    [&](int j) { return rule.is_crease[std::size_t(j)] != 0; }))
         count = choose_hits(local, c, float(rule.least_agreement), true, {}, {}, hits, count);
     Fan order;
     kernels().make_fan(local, c, hits, count, true, ring, order);

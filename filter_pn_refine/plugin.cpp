@@ -45,11 +45,10 @@ plugin::ParameterTable<Options> table()
                 "A point belongs to a rim if two successive neighbours enclose a larger angle, 120 to 180 degrees.")
         .number("crease_angle", &Options::crease_angle, "Crease angle",
                 "Normals that differ by more make a crease, 0 to 180 degrees.")
-        .flag(
-            "detect_creases", &Options::detect_creases, "Detect creases",
-            "Puts crease points between neighbours whose normals differ by more than the crease angle: for parts with "
-            "sharp edges and exact normals; smooth shapes are better without. Off: creases are only where two "
-            "vertices share one position.")
+        .flag("detect_creases", &Options::detect_creases, "Detect creases",
+              "Puts crease points onto edges where two faces end sharply at more than the crease angle, as the normals "
+              "show; smooth shapes and noisy normals show none. Off: creases are only where two vertices share one "
+              "position.")
         .flag("preserve_boundaries", &Options::preserve_boundaries, "Preserve boundaries",
               "Refines rims along their own curves.")
         .flag("preserve_creases", &Options::preserve_creases, "Preserve creases",

@@ -44,10 +44,10 @@ public:
         if (options_.repair_normals)
             repair(progress.part(0.2, 0.4, "normals"));
         times.begin("radii");
+        update_spacing();
         if (options_.detect_creases)
             put_onto_creases();
         find_fans(progress.part(0.4, 0.8, "radii"));
-        update_spacing();
         if (options_.hole_radius > 0)
             put_into_holes();
         if (options_.fast)
@@ -88,8 +88,12 @@ private:
 
     void put_onto_creases()
     {
-        result_.crease_points = put_in(detect_creases(usable_, *usable_.search, crease_angle()), true);
+        const AddedSamples creases = detect_creases(usable_, prepared_.spacing, crease_angle(), threads_);
+        if (creases.samples.points.empty())
+            return;
+        result_.crease_points = put_in(creases, true);
         update_nearest(usable_, threads_);
+        update_spacing();
     }
 
     void put_into_holes()

@@ -30,8 +30,9 @@ struct PnRefineOptions
     double hole_radius = 0;    ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
     double boundary_angle = 150;     ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.
     double crease_angle = 45;        ///< Normals that differ by more make a crease [degrees], 0 to 180.
-    bool detect_creases = false;     ///< Puts crease samples between neighbours whose normals differ by more than
-                                     ///< crease_angle. Else creases are only where two points share one position.
+    bool detect_creases = true;      ///< Puts crease samples where two faces end sharply at an angle above
+                                     ///< crease_angle; smooth shapes get none. Off: creases are only where two points
+                                     ///< share one position.
     bool preserve_boundaries = true; ///< Refines the rim along its own curve.
     bool preserve_creases = true;    ///< Refines creases along their own curve, with both normals.
     bool repair_normals = true;      ///< Turns normals that most neighbours contradict.

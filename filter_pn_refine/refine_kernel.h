@@ -371,10 +371,12 @@ struct PointRefiner
         std::int32_t* hits = w.hits.data();
         const int found_old = find_near(old_points, c, hits);
         int found = found_old;
+        // Far from creases normals of neighbours may differ as much as elsewhere.
+        const bool at_crease = w.has_creases && std::any_of(hits, hits + found_old,
+                                                            [&](int j) { return w.is_crease[std::size_t(j)] != 0; });
         const FaceDirection own_face = w.has_creases ? w.faces[std::size_t(own)] : FaceDirection{};
-        if (found > largest_ring || w.has_creases)
-            found =
-                choose_hits(old_points, c, step.least_crease_agreement, w.has_creases, own_face, w.faces, hits, found);
+        if (found > largest_ring || at_crease)
+            found = choose_hits(old_points, c, step.least_crease_agreement, at_crease, own_face, w.faces, hits, found);
         fill_ring(old_points, c, hits, found, ring);
         bool accurate = step.precision == Precision::accurate || step.precision == Precision::fuzzy;
         if (step.precision == Precision::automatic)
@@ -389,7 +391,7 @@ struct PointRefiner
         if (found > largest_ring)
             found = choose_hits(w.new_points, c, 0, false, own_face, w.faces, hits, found);
         fill_arrivals(w.new_points, c, hits, found, spacing, least_distance, w.arrivals);
-        if (w.has_creases)
+        if (at_crease)
             reject_other_side(w, c, own_face, step.least_crease_agreement, least_distance);
         Front front;
         start_front(c, ring, w.arrivals, front);
@@ -403,6 +405,8 @@ struct PointRefiner
             find_tangents(c, in_plane, ring);
             sort_fan(ring, in_plane, w.fan);
             const float fan_gap = list_candidates(c, ring, w.fan, least_distance, spacing, w.candidates);
+            if (w.has_creases)
+                reject_behind_edges(w, c);
             is_open = fill_gaps(c, own, accurate, plane, gaps, front);
             // A rim stays open: keeping the radius large there would only collect neighbours.
             is_rim = fan_gap > step.boundary_angle;

@@ -88,7 +88,7 @@ PN_REFINEMENT = FilterSpec(
      ("hole_radius", "RichAbsPerc", 0.0, None),
      ("boundary_angle", "RichFloat", 150.0, None),
      ("crease_angle", "RichFloat", 45.0, None),
-     ("detect_creases", "RichBool", False, None),
+     ("detect_creases", "RichBool", True, None),
      ("preserve_boundaries", "RichBool", True, None),
      ("preserve_creases", "RichBool", True, None),
      ("repair_normals", "RichBool", True, None),

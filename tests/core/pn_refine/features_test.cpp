@@ -109,9 +109,7 @@ TEST(Creases, AFaceDoesNotGoOnBehindItsEdge)
             if (i % 4 == 0)
                 add({side * half, uniform(-1, 1), uniform(0, height)}, Vector(side, 0, 0));
         }
-    PnRefineOptions options = one_thread(3);
-    options.detect_creases = true;
-    const PnRefinement refined = refine_points(samples, options);
+    const PnRefinement refined = refine_points(samples, one_thread(3));
     EXPECT_GT(refined.crease_points, 40);
     int on_floor = 0, under_wall = 0;
     for (const Point& p : refined.points)
@@ -124,18 +122,171 @@ TEST(Creases, AFaceDoesNotGoOnBehindItsEdge)
     EXPECT_LT(under_wall, 0.03 * on_floor);
 }
 
-TEST(Creases, ABendThatIsSampledSparselyIsNone)
+TEST(Creases, SmoothShapesThatAreSampledSparselyHaveNone)
 {
-    PnRefineOptions options = one_thread(0);
-    options.detect_creases = true;
     // Nine samples go round the tube: neighbours' normals differ by as much as at an edge.
-    EXPECT_LT(refine_points(shapes::torus(1000, 1, 0.3, 1), options).crease_points, 30);
+    EXPECT_EQ(refine_points(shapes::torus(1000, 1, 0.3, 1), one_thread(0)).crease_points, 0);
+    EXPECT_EQ(refine_points(shapes::torus(600, 1, 0.5, 2), one_thread(0)).crease_points, 0);
+    // A pebble whose rim is as sharp as samples are apart.
+    OrientedSamples pebble = shapes::sphere(2000, 1, 3);
+    for (std::size_t i = 0; i < pebble.points.size(); ++i)
+    {
+        pebble.points[i].z() *= 0.2;
+        pebble.normals[i].z() /= 0.2;
+    }
+    EXPECT_EQ(refine_points(pebble, one_thread(0)).crease_points, 0);
+}
+
+TEST(Creases, NormalsThatAreNotExactShowNone)
+{
+    OrientedSamples samples = shapes::box(4000, Vector(2, 2, 2), 5);
+    shapes::Random random(1);
+    for (Vector& n : samples.normals)
+        n += 0.3 * Vector(shapes::uniform(random) - 0.5, shapes::uniform(random) - 0.5, shapes::uniform(random) - 0.5);
+    EXPECT_EQ(refine_points(samples, one_thread(0)).crease_points, 0);
+}
+
+/// A plate of 2 x 2 x `thickness` with a bore along z, `count` samples to the unit of area.
+OrientedSamples bored_plate(double thickness, double bore, double count)
+{
+    OrientedSamples samples;
+    shapes::Random random(7);
+    const auto add = [&](double area, const auto& draw)
+    {
+        for (int i = 0; i < int(area * count); ++i)
+            draw(2 * shapes::uniform(random) - 1, 2 * shapes::uniform(random) - 1);
+    };
+    const auto put = [&](const Point& p, const Vector& n)
+    {
+        if (p.head<2>().norm() > bore * (1 - 1e-9))
+        {
+            samples.points.push_back(p);
+            samples.normals.push_back(n);
+        }
+    };
+    const double h = thickness / 2;
+    for (const double side : {-1.0, 1.0})
+    {
+        add(4, [&](double u, double v) { put({u, v, side * h}, side * Vector::UnitZ()); });
+        add(2 * thickness, [&](double u, double v) { put({side, u, v * h}, side * Vector::UnitX()); });
+        add(2 * thickness, [&](double u, double v) { put({u, side, v * h}, side * Vector::UnitY()); });
+    }
+    add(2 * M_PI * bore * thickness,
+        [&](double u, double v)
+        {
+            const Vector out(std::cos(M_PI * u), std::sin(M_PI * u), 0);
+            put(bore * out + v * h * Vector::UnitZ(), -out);
+        });
+    return samples;
+}
+
+TEST(Creases, TheMouthOfABoreStaysOpen)
+{
+    constexpr double bore = 0.15; // 2.5 spacings
+    const OrientedSamples samples = bored_plate(0.4, bore, 280);
+    int in_mouth[2], crease_points[2];
+    for (const bool detects : {false, true})
+    {
+        PnRefineOptions options = one_thread(3);
+        options.detect_creases = detects;
+        const PnRefinement refined = refine_points(samples, options);
+        crease_points[detects] = refined.crease_points;
+        in_mouth[detects] = int(std::count_if(refined.points.begin(), refined.points.end(),
+                                              [&](const Point& p) { return p.head<2>().norm() < 0.8 * bore; }));
+    }
+    EXPECT_EQ(crease_points[0], 0);
+    EXPECT_GT(crease_points[1], 400);
+    EXPECT_LE(in_mouth[1], in_mouth[0]);
+    EXPECT_LE(in_mouth[1], 5);
+}
+
+TEST(Creases, LieWhereCurvedFacesEnd)
+{
+    constexpr double bore = 0.4;
+    const PnRefinement refined = refine_points(bored_plate(0.4, bore, 400), one_thread(0));
+    int on_bore = 0;
+    double farthest = 0;
+    for (int i = 0; i < refined.crease_points; ++i)
+        if (const double r = refined.points[std::size_t(i)].head<2>().norm(); r < 0.7)
+        {
+            ++on_bore;
+            farthest = std::max(farthest, std::abs(r - bore));
+        }
+    // Two circles; a position every spacing and a half, twice each.
+    EXPECT_GT(on_bore, 2 * 2 * 2 * M_PI * bore / (1.5 * 0.05));
+    EXPECT_LT(farthest, 0.25 * 0.05);
+}
+
+TEST(Creases, CornersAreFoundWhereFewSamplesShowThem)
+{
+    for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    {
+        const PnRefinement refined = refine_points(shapes::box(4000, Vector(2, 2, 2), seed), one_thread(0));
+        int corners = 0;
+        for (int i = 0; i < refined.crease_points; ++i)
+            corners += (refined.points[std::size_t(i)].cwiseAbs() - Vector::Ones()).norm() < 1e-9;
+        EXPECT_EQ(corners, 8 * 3) << seed;
+    }
+}
+
+TEST(Creases, PlanesOfThinWallsDoNotMeetInside)
+{
+    // A square tube with walls of 1.2 spacings: the inner plane of one wall meets the outer one of the next inside.
+    constexpr double inner = 0.93;
+    OrientedSamples samples;
+    shapes::Random random(9);
+    for (int i = 0; i < 8 * 560; ++i)
+    {
+        const double u = 2 * shapes::uniform(random) - 1, z = 2 * shapes::uniform(random) - 1;
+        const double half = i % 2 ? 1 : inner, side = i % 4 < 2 ? 1 : -1;
+        Point p(half * side, half * u, z);
+        Vector n(i % 2 ? side : -side, 0, 0);
+        if (i % 8 < 4)
+        {
+            std::swap(p.x(), p.y());
+            std::swap(n.x(), n.y());
+        }
+        samples.points.push_back(p);
+        samples.normals.push_back(n);
+    }
+    const PnRefinement refined = refine_points(samples, one_thread(0));
+    int on_edges = 0, inside = 0;
+    for (int i = 0; i < refined.crease_points; ++i)
+    {
+        const Point p = refined.points[std::size_t(i)].cwiseAbs();
+        const double difference = std::abs(p.x() - p.y());
+        ++(difference < 1e-9 ? on_edges : inside);
+    }
+    EXPECT_GT(on_edges, 200);
+    EXPECT_LT(inside, 0.1 * on_edges);
+}
+
+TEST(Creases, LieAsDenselyAsTheSamplesAroundThem)
+{
+    OrientedSamples samples;
+    shapes::Random random(4);
+    const OrientedSamples box = shapes::box(40000, Vector(2, 2, 2), 5);
+    for (std::size_t i = 0; i < box.points.size(); ++i)
+        if (box.points[i].z() > 0 || shapes::uniform(random) < 0.05)
+        {
+            samples.points.push_back(box.points[i]);
+            samples.normals.push_back(box.normals[i]);
+        }
+    const PnRefinement refined = refine_points(samples, one_thread(0));
+    int dense = 0, sparse = 0; // on the four upright edges
+    for (int i = 0; i < refined.crease_points; ++i)
+        if (const Point& p = refined.points[std::size_t(i)];
+            std::abs(std::abs(p.x()) - 1) < 1e-9 && std::abs(std::abs(p.y()) - 1) < 1e-9)
+            ++(p.z() > 0.1 ? dense : sparse);
+    EXPECT_GT(dense, 2.5 * sparse);
+    EXPECT_GT(sparse, 4 * 2 * 5);
 }
 
 TEST(Creases, AreDetectedFromNormals)
 {
     const OrientedSamples samples = shapes::box(4000, Vector(2, 2, 2), 5); // none on the edges
     PnRefineOptions options = one_thread(2);
+    options.detect_creases = false;
     EXPECT_EQ(refine_points(samples, options).crease_points, 0);
     options.detect_creases = true;
     const PnRefinement refined = refine_points(samples, options);
