@@ -1,9 +1,13 @@
 // Refinement of sparse samples against the mesh they were taken from, plain centroid insertion and CGAL's edge-aware
 // upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-b first seed] [-c] [-o folder]
-// [-m mode] [-f] [-e] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases are
-// not detected.
+// [-m mode] [-f] [-e] [-a] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases
+// are not detected; -a: no normals but those that the filter computes.
 #include "mesh_distance.h"
 #include "pn_models.h"
+
+#include <filter_amls/project.h>
+#include <filter_amls/surface.h>
+#include <filter_pn_refine/sharpen_normals.h>
 
 #include <Eigen/Geometry>
 
@@ -38,11 +42,11 @@ int main(int argc, char** argv)
     if (argc < 2)
         return std::fprintf(stderr,
                             "usage: %s <folder> [-n samples] [-l steps] [-s seeds] [-b first seed] [-c] [-o folder] "
-                            "[-m mode] [-f] [-e] [model...]\n",
+                            "[-m mode] [-f] [-e] [-a] [model...]\n",
                             argv[0]),
                2;
     int samples = 3500, seeds = 5, first_seed = 1;
-    bool with_cgal = false, with_face_normals = false;
+    bool with_cgal = false, with_face_normals = false, with_computed_normals = false;
     std::string output;
     recon::PnRefineOptions options;
     options.threads = 1;
@@ -62,6 +66,8 @@ int main(int argc, char** argv)
             with_cgal = true;
         else if (word == "-f")
             with_face_normals = true;
+        else if (word == "-a")
+            with_computed_normals = true;
         else if (word == "-e")
             options.detect_creases = false;
         else if (word == "-o")
@@ -93,6 +99,12 @@ int main(int argc, char** argv)
             if (with_face_normals)
                 for (std::size_t i = 0; i < input.points.size(); ++i)
                     input.normals[i] = face_normal(model.mesh, distance.nearest(input.points[i]).triangle);
+            if (with_computed_normals)
+            {
+                input.normals = recon::project_to_amls(input.points, recon::build_amls_surface(input.points)).normals;
+                if (options.detect_creases)
+                    input.normals = recon::pn::sharpen_normals(input, options);
+            }
             const recon::PnRefinement refined = recon::refine_points(input, options);
             const recon::OrientedSamples all = join(input, refined);
             const double spacing = std::sqrt(area / double(all.points.size()));

@@ -21,7 +21,7 @@ namespace recon::pn
 namespace
 {
 
-constexpr double room = 0.65;              ///< Between crease samples [spacings].
+constexpr double room = 0.65;             ///< Between crease samples [spacings].
 constexpr double longest_detour = 2.4;    ///< From one sample over its edge to the other [spacings].
 constexpr double corner_volume = 0.3;     ///< Least of three normals: else their planes nearly share a line.
 constexpr double along = 0.7;             ///< Least cosine of the angle between a line and its next sample.

@@ -1,4 +1,5 @@
 #include "refine.h"
+#include "sharpen_normals.h"
 
 #include <filter_amls/project.h>
 #include <filter_amls/surface.h>
@@ -153,7 +154,9 @@ plugin::FilterResult refine(const plugin::InputLayer& layer, const Options& opti
     const bool own_normals = has_normals(layer);
     if (!own_normals)
     {
-        samples.normals = compute_normals(layer.points, options.threads, progress.part(0, 0.3, "normals"));
+        samples.normals = compute_normals(layer.points, options.threads, progress.part(0, 0.25, "normals"));
+        if (options.detect_creases)
+            samples.normals = recon::pn::sharpen_normals(samples, options, progress.part(0.25, 0.3, "normals"));
         result.warnings.push_back("The layer has no normals: they were computed from Delaunay balls.");
     }
     recon::PnRefineHints hints;
