@@ -52,6 +52,35 @@ double estimate_normal_noise(const UsableSamples& usable)
     return median(std::move(errors)) / 1.1774; // the median length of two components
 }
 
+double contradiction_of_normals(const UsableSamples& usable)
+{
+    const OrientedSamples& samples = usable.samples;
+    constexpr std::size_t enough = 5000;
+    constexpr int near = 9, least = 3; // itself and 8 others
+    constexpr double same_face = 0.7;  // cosine
+    std::vector<double> contradictions;
+    const std::size_t n = samples.points.size(), each = n / enough + 1;
+    for (std::size_t i = 0; i < n; i += each)
+    {
+        double sum = 0;
+        int count = 0;
+        for (int m = 0; m < std::min(near, usable.nearest.count); ++m)
+        {
+            const auto j = std::size_t(usable.nearest.of(i)[m]);
+            const Vector d = samples.points[j] - samples.points[i];
+            const double length = d.norm();
+            if (!(length > 0) || samples.normals[j].dot(samples.normals[i]) < same_face)
+                continue;
+            const double lean = (samples.normals[i] + samples.normals[j]).dot(d) / length;
+            sum += lean * lean;
+            ++count;
+        }
+        if (count >= least)
+            contradictions.push_back(std::sqrt(sum / count));
+    }
+    return contradictions.empty() ? 0 : median(std::move(contradictions));
+}
+
 double slack_of_gradients(double normal_noise)
 {
     constexpr double bends = 0.17, per_variance = 150; // [radians], [1 / radians^2]

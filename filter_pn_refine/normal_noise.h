@@ -14,4 +14,11 @@ double estimate_normal_noise(const UsableSamples& usable);
 /// normals were noisy, hence up to 10 degrees it meets them exactly.
 double slack_of_gradients(double normal_noise);
 
+/// How far normals and places contradict each other: median over samples of the root mean square of (n + m) . d / |d|
+/// for neighbours d away with normal m, twice the sine by which both lean the same way against the chord. On a smooth
+/// surface they lean against each other. Of 121 clouds of 3,500 exact samples no smooth one had more than 0.2; normals
+/// interpolated over large triangles of parts have 0.3 to 0.9, and triangles built on them err more than flat ones.
+double contradiction_of_normals(const UsableSamples& usable);
+constexpr double much_contradiction = 0.28;
+
 } // namespace recon::pn

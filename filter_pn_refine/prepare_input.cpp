@@ -43,6 +43,10 @@ public:
         choose(progress.part(0, 0.2, "choosing points"));
         if (options_.repair_normals)
             repair(progress.part(0.2, 0.4, "normals"));
+        if (contradiction_of_normals(usable_) > much_contradiction)
+            result_.warnings.push_back("The normals contradict the points: around most of them the surface runs across "
+                                       "its normals, as where a mesh's are interpolated over large triangles. Take "
+                                       "normals of faces, or remove them: then they are computed from the points.");
         times.begin("radii");
         update_spacing();
         if (options_.detect_creases)

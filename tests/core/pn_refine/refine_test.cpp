@@ -372,4 +372,21 @@ TEST(RefinePoints, ProgressRisesToTheEndAndCancels)
     }
 }
 
+TEST(RefinePoints, WarnsOfNormalsThatContradictThePoints)
+{
+    const auto is_warned = [](const OrientedSamples& samples)
+    {
+        const std::vector<std::string> warnings = refine_points(samples, one_thread(0)).warnings;
+        return std::any_of(warnings.begin(), warnings.end(),
+                           [](const std::string& w) { return w.find("contradict the points") != w.npos; });
+    };
+    OrientedSamples box = shapes::box(3000, Vector(2, 2, 2), 5);
+    EXPECT_FALSE(is_warned(box));
+    EXPECT_FALSE(is_warned(shapes::torus(500, 1, 0.3, 1)));
+    EXPECT_FALSE(is_warned(shapes::sphere(60, 1, 1)));
+    for (std::size_t i = 0; i < box.points.size(); ++i)
+        box.normals[i] = box.points[i].normalized(); // those of the corners, interpolated
+    EXPECT_TRUE(is_warned(box));
+}
+
 } // namespace
