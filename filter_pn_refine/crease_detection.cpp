@@ -88,7 +88,7 @@ public:
 
     std::vector<Place> find() const
     {
-        const std::vector<Pair> pairs = near_pairs();
+        const std::vector<Pair> pairs = where_sharp(near_pairs());
         std::vector<Place> proposed = corners_of(pairs);
         for (const Pair& pair : pairs)
             propose_edge(pair, proposed);
@@ -123,6 +123,26 @@ private:
         for (const std::vector<Pair>& part : found)
             pairs.insert(pairs.end(), part.begin(), part.end());
         std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.length < b.length; });
+        return pairs;
+    }
+
+    /// Without those that have none near that may be sharp: noisy normals make pairs everywhere.
+    std::vector<Pair> where_sharp(std::vector<Pair> pairs) const
+    {
+        std::vector<char> is_paired(points_.size(), 0), may_be_sharp(points_.size(), 0), is_near(points_.size(), 0);
+        for (const Pair& pair : pairs)
+            is_paired[std::size_t(pair.i)] = is_paired[std::size_t(pair.j)] = 1;
+        parallel_for(points_.size(), threads_, {},
+                     [&](std::size_t i) { may_be_sharp[i] = is_paired[i] && may_end_sharply(usable_, i); });
+        for (const Pair& pair : pairs)
+            if (may_be_sharp[std::size_t(pair.i)] && may_be_sharp[std::size_t(pair.j)])
+                for (const int end : {pair.i, pair.j})
+                    for (int m = 0; m < usable_.nearest.count; ++m)
+                        is_near[std::size_t(usable_.nearest.of(std::size_t(end))[m])] = 1;
+        pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                                   [&](const Pair& pair)
+                                   { return !is_near[std::size_t(pair.i)] && !is_near[std::size_t(pair.j)]; }),
+                    pairs.end());
         return pairs;
     }
 

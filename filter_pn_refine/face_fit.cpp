@@ -9,13 +9,20 @@
 namespace recon::pn
 {
 
+namespace
+{
+
+constexpr int wanted = 6;              ///< Samples of a face.
+constexpr double same_face = 0.7;      ///< Normals that agree more,
+constexpr double steepest = 0.7;       ///< places under a smaller sine.
+constexpr double largest_error = 0.07; ///< [radians] Smooth shapes that are sampled sparsely have more.
+
+} // namespace
+
 FaceFit::FaceFit(const UsableSamples& usable, std::size_t i, const Vector& across)
     : centre_(usable.samples.points[i]), normal_(usable.samples.normals[i]), e1_(normal_.unitOrthogonal()),
       e2_(normal_.cross(e1_))
 {
-    constexpr int wanted = 6;
-    constexpr double same_face = 0.7; // normals that agree more,
-    constexpr double steepest = 0.7;  // places under a smaller sine
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     double sum = 0;
@@ -57,9 +64,29 @@ Vector FaceFit::normal_at(const Point& x) const
     return (std::sqrt(std::max(1 - a * a - b * b, 0.0)) * normal_ - a * e1_ - b * e2_).normalized();
 }
 
+bool may_end_sharply(const UsableSamples& usable, std::size_t i)
+{
+    // What places alone add to the error of a FaceFit.
+    const Vector& normal = usable.samples.normals[i];
+    double sum = 0;
+    int count = 0;
+    for (int m = 0; m < usable.nearest.count && count < wanted; ++m)
+    {
+        const auto j = std::size_t(usable.nearest.of(i)[m]);
+        const Vector d = usable.samples.points[j] - usable.samples.points[i];
+        const double length = d.norm();
+        if (!(length > 0) || usable.samples.normals[j].dot(normal) < same_face ||
+            std::abs(d.dot(normal)) > steepest * length)
+            continue;
+        const double lean = (usable.samples.normals[j] + normal).dot(d) / length;
+        sum += lean * lean;
+        ++count;
+    }
+    return count > 0 && sum <= largest_error * largest_error * 3 * count;
+}
+
 bool ends_sharply(const UsableSamples& usable, std::size_t i, std::size_t j, const Point& x, double least_agreement)
 {
-    constexpr double largest_error = 0.07; // [radians] smooth shapes that are sampled sparsely have more
     const FaceFit a(usable, i, usable.samples.normals[j]), b(usable, j, usable.samples.normals[i]);
     return a.is_known() && b.is_known() && std::max(a.error(), b.error()) < largest_error &&
            a.normal_at(x).dot(b.normal_at(x)) < least_agreement;

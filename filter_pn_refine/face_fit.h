@@ -31,6 +31,9 @@ private:
     double error_ = 0;
 };
 
+/// Whether a sample may lie on a face that ends_sharply() somewhere: a cheap test that few noisy ones pass.
+bool may_end_sharply(const UsableSamples& usable, std::size_t i);
+
 /// Whether two samples lie on faces that end sharply at x: both faces are as smooth as their samples say, and where
 /// they go on to x their normals still differ by more than the angle of this cosine. Where a surface only bends within
 /// a spacing, or where normals or places are noisy, this is not so.
