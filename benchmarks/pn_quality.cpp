@@ -1,7 +1,7 @@
 // Refinement of sparse samples against the mesh they were taken from, plain centroid insertion and CGAL's edge-aware
 // upsampling. Usage: pn_quality <folder of models> [-n samples] [-l steps] [-s seeds] [-b first seed] [-c] [-o folder]
-// [-m mode] [-f] [-e] [-a] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e: creases
-// are not detected; -a: no normals but those that the filter computes.
+// [-m mode] [-f] [-e] [-a] [model...]. -f: samples with the normals of their faces, as of parts with edges; -e:
+// creases are not detected; -a: no normals but those that the filter computes.
 #include "mesh_distance.h"
 #include "pn_models.h"
 
