@@ -17,6 +17,29 @@ constexpr double same_face = 0.7;      ///< Normals that agree more,
 constexpr double steepest = 0.7;       ///< places under a smaller sine.
 constexpr double largest_error = 0.07; ///< [radians] Smooth shapes that are sampled sparsely have more.
 
+/// Calls use(normal, d, lean) for the nearest samples on the face of sample i, d away: those whose normals
+/// agree with its own, and more than with `across`. On a circle through both the two normals lean against the chord
+/// alike, whatever its radius: `lean` [sine] is by how much they do not. \returns how many.
+template <class Use>
+int for_each_on_face(const UsableSamples& usable, std::size_t i, const Vector* across, const Use& use)
+{
+    const Vector& own = usable.samples.normals[i];
+    int count = 0;
+    for (int m = 0; m < usable.nearest.count && count < wanted; ++m)
+    {
+        const auto j = std::size_t(usable.nearest.of(i)[m]);
+        const Vector& n = usable.samples.normals[j];
+        const Vector d = usable.samples.points[j] - usable.samples.points[i];
+        const double length = d.norm(), agreement = n.dot(own);
+        if (!(length > 0) || agreement < same_face || (across && agreement <= n.dot(*across)) ||
+            std::abs(d.dot(own)) > steepest * length)
+            continue;
+        use(n, d, (n + own).dot(d) / length);
+        ++count;
+    }
+    return count;
+}
+
 } // namespace
 
 FaceFit::FaceFit(const UsableSamples& usable, std::size_t i, const Vector& across)
@@ -33,23 +56,14 @@ FaceFit::FaceFit(const UsableSamples& usable, std::size_t i, const Vector& acros
         right += value * row;
         sum += value * value;
     };
-    for (int m = 0; m < usable.nearest.count && count_ < wanted; ++m)
-    {
-        const auto j = std::size_t(usable.nearest.of(i)[m]);
-        const Vector& n = usable.samples.normals[j];
-        const Vector d = usable.samples.points[j] - centre_;
-        const double length = d.norm(), agreement = n.dot(normal_);
-        if (!(length > 0) || agreement < same_face || agreement <= n.dot(across) ||
-            std::abs(d.dot(normal_)) > steepest * length)
-            continue;
-        const double u = d.dot(e1_), v = d.dot(e2_);
-        add(u, v, 0, -n.dot(e1_));
-        add(0, u, v, -n.dot(e2_));
-        // On a circle through both the two normals lean against the chord alike, whatever its radius.
-        const double lean = (n + normal_).dot(d) / length;
-        sum += lean * lean;
-        ++count_;
-    }
+    count_ = for_each_on_face(usable, i, &across,
+                              [&](const Vector& n, const Vector& d, double lean)
+                              {
+                                  const double u = d.dot(e1_), v = d.dot(e2_);
+                                  add(u, v, 0, -n.dot(e1_));
+                                  add(0, u, v, -n.dot(e2_));
+                                  sum += lean * lean;
+                              });
     if (!is_known())
         return;
     turns_ = squares.fullPivLu().solve(right);
@@ -66,22 +80,9 @@ Vector FaceFit::normal_at(const Point& x) const
 
 bool may_end_sharply(const UsableSamples& usable, std::size_t i)
 {
-    // What places alone add to the error of a FaceFit.
-    const Vector& normal = usable.samples.normals[i];
-    double sum = 0;
-    int count = 0;
-    for (int m = 0; m < usable.nearest.count && count < wanted; ++m)
-    {
-        const auto j = std::size_t(usable.nearest.of(i)[m]);
-        const Vector d = usable.samples.points[j] - usable.samples.points[i];
-        const double length = d.norm();
-        if (!(length > 0) || usable.samples.normals[j].dot(normal) < same_face ||
-            std::abs(d.dot(normal)) > steepest * length)
-            continue;
-        const double lean = (usable.samples.normals[j] + normal).dot(d) / length;
-        sum += lean * lean;
-        ++count;
-    }
+    double sum = 0; // what leans alone add to the error of a FaceFit
+    const int count =
+        for_each_on_face(usable, i, nullptr, [&](const Vector&, const Vector&, double lean) { sum += lean * lean; });
     return count > 0 && sum <= largest_error * largest_error * 3 * count;
 }
 
