@@ -349,7 +349,7 @@ private:
         return kept;
     }
 
-    /// The corner to which edges at two places lead, if they share a face: {one of it, one of each other face}.
+    /// Finds the corner to which edges at two places lead that share a face. \returns whether there is one.
     bool corner_of(const Place& first, const Place& second, Place& corner) const
     {
         constexpr double same_face = 0.9, in_plane = 0.2; // cosine, sine

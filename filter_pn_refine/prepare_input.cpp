@@ -44,9 +44,10 @@ public:
         if (options_.repair_normals)
             repair(progress.part(0.2, 0.4, "normals"));
         if (contradiction_of_normals(usable_) > much_contradiction)
-            result_.warnings.push_back("The normals contradict the points: around most of them the surface runs across "
-                                       "its normals, as where a mesh's are interpolated over large triangles. Take "
-                                       "normals of faces, or remove them: then they are computed from the points.");
+            result_.warnings.push_back("The normals contradict the points around most of them. Either the points are "
+                                       "noisy: move them with 'MLS projection (AMLS)' first. Or the normals are a "
+                                       "mesh's, interpolated over large triangles: take those of faces, or remove "
+                                       "them, then they are computed from the points.");
         times.begin("radii");
         update_spacing();
         if (options_.detect_creases)
