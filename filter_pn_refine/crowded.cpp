@@ -147,6 +147,7 @@ void find_faces(const Level& level, Workspace& w)
 void reject_behind_edges(Workspace& w, const Centre& c)
 {
     constexpr float same_face = 0.8f, in_plane = 0.3f; // cosine, sine
+    constexpr float beside = 3;                        // [distance to the centre] edges farther away end other faces
     const LocalPoints& points = w.old_points;
     Candidates& of = w.candidates;
     const float radius = 1 / c.inverse_radius;
@@ -155,7 +156,8 @@ void reject_behind_edges(Workspace& w, const Centre& c)
         if (!(of.usable >> k & 1u))
             continue;
         const float x = of.x[k] * radius + c.x, y = of.y[k] * radius + c.y, z = of.z[k] * radius + c.z;
-        float nearest = 1e30f;
+        float nearest = beside * beside * radius * radius *
+                        (of.x[k] * of.x[k] + of.y[k] * of.y[k] + of.z[k] * of.z[k]); // the farthest that is asked
         bool is_behind = false;
         for (int j : w.edge_points)
         {

@@ -1,0 +1,148 @@
+#include "crease_corners.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace recon::pn
+{
+
+namespace
+{
+
+constexpr double farthest = 2.3; ///< From a corner to the last place of an edge that ends there [spacings].
+
+class CornerFinder
+{
+public:
+    CornerFinder(const Faces& faces, const std::vector<CreasePlace>& places)
+        : faces_(faces), places_(places), positions_(positions_of(places)), search_(positions_)
+    {
+    }
+
+    std::vector<CreasePlace> propose() const
+    {
+        std::vector<CreasePlace> proposed;
+        std::vector<int> near;
+        for (std::size_t i = 0; i < places_.size(); ++i)
+        {
+            search_.within(places_[i].point, 2 * farthest * places_[i].spacing, near);
+            std::sort(near.begin(), near.end());
+            CreasePlace corner;
+            for (int m : near)
+                if (const auto j = std::size_t(m); j > i && !places_[i].is_corner() && !places_[j].is_corner() &&
+                                                   corner_of(places_[i], places_[j], corner))
+                    proposed.push_back(corner);
+        }
+        return proposed;
+    }
+
+    /// Marks places on edges nearer to x.
+    void mark_near(const Point& x, double distance, std::vector<char>& is_marked) const
+    {
+        std::vector<int> near;
+        search_.within(x, distance, near);
+        for (int m : near)
+            is_marked[std::size_t(m)] = !places_[std::size_t(m)].is_corner();
+    }
+
+private:
+    static Points positions_of(const std::vector<CreasePlace>& places)
+    {
+        Points positions;
+        for (const CreasePlace& p : places)
+            positions.push_back(p.point);
+        return positions;
+    }
+
+    /// Finds the corner to which edges at two places lead that share a face. \returns whether there is one.
+    bool corner_of(const CreasePlace& first, const CreasePlace& second, CreasePlace& corner) const
+    {
+        constexpr double same_face = 0.9, in_plane = 0.2; // cosine, sine
+        const Vector d = second.point - first.point;
+        for (std::size_t f = 0; f < 2; ++f)
+            for (std::size_t g = 0; g < 2; ++g)
+            {
+                const int a = first.around[f], b = first.around[1 - f], a2 = second.around[g], c = second.around[1 - g];
+                Point x;
+                if (faces_.normal(a).dot(faces_.normal(a2)) < same_face || !faces_.differ(b, c) ||
+                    std::abs(faces_.normal(a).dot(d)) > in_plane * d.norm() || !faces_.meet(a, b, c, x))
+                    continue;
+                corner = faces_.place(x, {a, b, c});
+                const double reach = farthest * corner.spacing;
+                if ((x - first.point).norm() <= reach && (x - second.point).norm() <= reach && !goes_on(first, x) &&
+                    !goes_on(second, x) && !bends(b, c, x) && !faces_.is_hidden(x, {a, a2, b, c}) &&
+                    faces_.are_sharp(corner))
+                    return true;
+            }
+        return false;
+    }
+
+    /// Whether the edge at a place goes on beyond x.
+    bool goes_on(const CreasePlace& from, const Point& x) const
+    {
+        constexpr double looked_at = 1.5, here = 0.2;        // [spacings]
+        constexpr double same_face = 0.8, straight_on = 0.8; // cosines
+        const Vector unit = (x - from.point).normalized();
+        const auto is_on = [&](const CreasePlace& other)
+        {
+            const Vector d = other.point - x;
+            const auto agree = [&](std::size_t f, std::size_t g)
+            { return faces_.normal(from.around[f]).dot(faces_.normal(other.around[g])) > same_face; };
+            return !other.is_corner() && d.norm() > here * from.spacing && d.dot(unit) > straight_on * d.norm() &&
+                   ((agree(0, 0) && agree(1, 1)) || (agree(0, 1) && agree(1, 0)));
+        };
+        return is_any_near(x, looked_at * from.spacing, is_on);
+    }
+
+    /// Whether b and c lie on one face that just bends at x, as at the rim of a bore.
+    bool bends(int b, int c, const Point& x) const
+    {
+        const double reach = 1.5 * std::max((faces_.point(b) - x).norm(), (faces_.point(c) - x).norm());
+        const auto is_between = [&](const CreasePlace& p)
+        { return std::any_of(p.around.begin(), p.around.end(), [&](int m) { return faces_.is_between(m, b, c); }); };
+        return faces_.bends_between(b, c, x, reach) || is_any_near(x, reach, is_between);
+    }
+
+    template <class Test>
+    bool is_any_near(const Point& x, double reach, const Test& test) const
+    {
+        std::vector<int> near;
+        search_.within(x, reach, near);
+        return std::any_of(near.begin(), near.end(), [&](int m) { return test(places_[std::size_t(m)]); });
+    }
+
+    const Faces& faces_;
+    const std::vector<CreasePlace>& places_;
+    const Points positions_;
+    const NeighbourSearch search_;
+};
+
+} // namespace
+
+void close_corners(const Faces& faces, std::vector<CreasePlace>& places)
+{
+    const CornerFinder finder(faces, places);
+    const std::vector<CreasePlace> proposed = finder.propose();
+    Points taken;
+    for (const CreasePlace& p : places)
+        if (p.is_corner())
+            taken.push_back(p.point);
+    constexpr double crowded = 0.4; // [spacings]
+    Thinning thinning(proposed, taken);
+    std::vector<CreasePlace> added;
+    std::vector<char> is_given_up(places.size(), 0);
+    for (std::size_t k = 0; k < proposed.size(); ++k)
+    {
+        if (!thinning.is_free(k))
+            continue;
+        thinning.take(k);
+        added.push_back(proposed[k]);
+        finder.mark_near(proposed[k].point, crowded * proposed[k].spacing, is_given_up);
+    }
+    for (std::size_t i = 0; i < places.size(); ++i)
+        if (!is_given_up[i])
+            added.push_back(places[i]);
+    places = std::move(added);
+}
+
+} // namespace recon::pn
