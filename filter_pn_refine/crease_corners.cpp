@@ -9,7 +9,7 @@ namespace recon::pn
 namespace
 {
 
-constexpr double farthest = 2.3; ///< From a corner to the last place of an edge that ends there [spacings].
+constexpr double farthest = 2.3; ///< From a corner to places on its edges [spacings].
 
 class CornerFinder
 {
@@ -46,14 +46,6 @@ public:
     }
 
 private:
-    static Points positions_of(const std::vector<CreasePlace>& places)
-    {
-        Points positions;
-        for (const CreasePlace& p : places)
-            positions.push_back(p.point);
-        return positions;
-    }
-
     /// Finds the corner to which edges at two places lead that share a face. \returns whether there is one.
     bool corner_of(const CreasePlace& first, const CreasePlace& second, CreasePlace& corner) const
     {
@@ -69,29 +61,11 @@ private:
                     continue;
                 corner = faces_.place(x, {a, b, c});
                 const double reach = farthest * corner.spacing;
-                if ((x - first.point).norm() <= reach && (x - second.point).norm() <= reach && !goes_on(first, x) &&
-                    !goes_on(second, x) && !bends(b, c, x) && !faces_.is_hidden(x, {a, a2, b, c}) &&
-                    faces_.are_sharp(corner))
+                if ((x - first.point).norm() <= reach && (x - second.point).norm() <= reach && !bends(b, c, x) &&
+                    !faces_.is_hidden(x, {a, a2, b, c}) && !faces_.is_passed(corner) && faces_.are_sharp(corner))
                     return true;
             }
         return false;
-    }
-
-    /// Whether the edge at a place goes on beyond x.
-    bool goes_on(const CreasePlace& from, const Point& x) const
-    {
-        constexpr double looked_at = 1.5, here = 0.2;        // [spacings]
-        constexpr double same_face = 0.8, straight_on = 0.8; // cosines
-        const Vector unit = (x - from.point).normalized();
-        const auto is_on = [&](const CreasePlace& other)
-        {
-            const Vector d = other.point - x;
-            const auto agree = [&](std::size_t f, std::size_t g)
-            { return faces_.normal(from.around[f]).dot(faces_.normal(other.around[g])) > same_face; };
-            return !other.is_corner() && d.norm() > here * from.spacing && d.dot(unit) > straight_on * d.norm() &&
-                   ((agree(0, 0) && agree(1, 1)) || (agree(0, 1) && agree(1, 0)));
-        };
-        return is_any_near(x, looked_at * from.spacing, is_on);
     }
 
     /// Whether b and c lie on one face that just bends at x, as at the rim of a bore.
@@ -100,15 +74,10 @@ private:
         const double reach = 1.5 * std::max((faces_.point(b) - x).norm(), (faces_.point(c) - x).norm());
         const auto is_between = [&](const CreasePlace& p)
         { return std::any_of(p.around.begin(), p.around.end(), [&](int m) { return faces_.is_between(m, b, c); }); };
-        return faces_.bends_between(b, c, x, reach) || is_any_near(x, reach, is_between);
-    }
-
-    template <class Test>
-    bool is_any_near(const Point& x, double reach, const Test& test) const
-    {
         std::vector<int> near;
         search_.within(x, reach, near);
-        return std::any_of(near.begin(), near.end(), [&](int m) { return test(places_[std::size_t(m)]); });
+        return faces_.bends_between(b, c, x, reach) ||
+               std::any_of(near.begin(), near.end(), [&](int m) { return is_between(places_[std::size_t(m)]); });
     }
 
     const Faces& faces_;

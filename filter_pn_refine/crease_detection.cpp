@@ -191,9 +191,7 @@ private:
     /// too whose faces show too few samples (hysteresis, as Canny's).
     std::vector<CreasePlace> on_lines(const std::vector<CreasePlace>& places) const
     {
-        Points positions;
-        for (const CreasePlace& p : places)
-            positions.push_back(p.point);
+        const Points positions = positions_of(places);
         const NeighbourSearch search(positions);
         constexpr int most = 12;
         const int k = std::min(most, int(places.size()));

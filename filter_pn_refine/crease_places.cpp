@@ -2,6 +2,7 @@
 
 #include "face_fit.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -15,14 +16,23 @@ namespace
 {
 
 constexpr double room = 0.65;         ///< Between crease samples [spacings].
+constexpr int beside_an_edge = 12;    ///< Samples that are asked about it,
+constexpr int around_a_corner = 24;   ///< and about a corner.
 constexpr double corner_volume = 0.3; ///< Least of three normals: else their planes nearly share a line.
 
 } // namespace
 
-Thinning::Thinning(const std::vector<CreasePlace>& proposed, const Points& taken) : proposed_(proposed)
+Points positions_of(const std::vector<CreasePlace>& places)
 {
-    for (const CreasePlace& p : proposed)
-        positions_.push_back(p.point);
+    Points positions;
+    for (const CreasePlace& p : places)
+        positions.push_back(p.point);
+    return positions;
+}
+
+Thinning::Thinning(const std::vector<CreasePlace>& proposed, const Points& taken)
+    : proposed_(proposed), positions_(positions_of(proposed))
+{
     is_taken_.assign(positions_.size(), 0);
     positions_.insert(positions_.end(), taken.begin(), taken.end());
     is_taken_.resize(positions_.size(), 1);
@@ -71,7 +81,7 @@ bool Faces::is_edge(int i, int j, const Point& x) const
         return length < nearby && normal(m).dot(own) > same_face && std::abs(d.dot(own)) < in_plane * length &&
                d.dot(other) * (side > 0 ? 1 : -1) < -beyond * length;
     };
-    const std::vector<int> near = nearest(x, 1.5 * nearby);
+    const std::vector<int> near = nearest(x, beside_an_edge, 1.5 * nearby);
     return !is_hidden_by(near, x, {i, j}) && !bends_between(near, i, j, x, 1.5 * nearby) &&
            std::none_of(near.begin(), near.end(),
                         [&](int m) { return goes_on(m, a, b, side_of_i) || goes_on(m, b, a, side_of_j); });
@@ -79,6 +89,8 @@ bool Faces::is_edge(int i, int j, const Point& x) const
 
 bool Faces::are_edges(const CreasePlace& at) const
 {
+    if (at.is_corner() && is_passed(at))
+        return false;
     for (std::size_t p = 0; p < at.around.size(); ++p)
         for (std::size_t q = 0; q < p; ++q)
             if (!is_edge(at.around[p], at.around[q], at.point))
@@ -96,9 +108,38 @@ bool Faces::are_sharp(const CreasePlace& at) const
     return true;
 }
 
+bool Faces::is_passed(const CreasePlace& corner) const
+{
+    constexpr double beyond = 2.5, beside = 2.4;      // [spacings] a face that ends at the corner is not that near
+    constexpr double same_face = 0.9, in_plane = 0.2; // cosine, [spacings]
+    const auto is_on_face = [&](int m, int face)
+    {
+        return normal(m).dot(normal(face)) > same_face &&
+               std::abs((point(m) - corner.point).dot(normal(face))) < in_plane * corner.spacing;
+    };
+    for (std::size_t p = 0; p < corner.around.size(); ++p)
+    {
+        const int i = corner.around[p], j = corner.around[(p + 1) % corner.around.size()];
+        Vector line = normal(i).cross(normal(j)).normalized();
+        if (line.dot(point(i) + point(j) - 2 * corner.point) > 0)
+            line = -line;
+        const Point x = corner.point + beyond * corner.spacing * line;
+        const std::vector<int> near = nearest(x, around_a_corner, 0);
+        const auto goes_on = [&](int face)
+        {
+            return std::any_of(near.begin(), near.end(),
+                               [&](int m)
+                               { return (point(m) - x).norm() < beside * corner.spacing && is_on_face(m, face); });
+        };
+        if (goes_on(i) && goes_on(j))
+            return true;
+    }
+    return false;
+}
+
 bool Faces::is_hidden(const Point& x, const std::vector<int>& samples) const
 {
-    return is_hidden_by(nearest(x, 0), x, samples);
+    return is_hidden_by(nearest(x, around_a_corner, 0), x, samples);
 }
 
 bool Faces::is_hidden_by(const std::vector<int>& near, const Point& x, const std::vector<int>& samples) const
@@ -123,7 +164,7 @@ bool Faces::hides(int m, int from, const Point& x) const
 
 bool Faces::bends_between(int i, int j, const Point& x, double reach) const
 {
-    return bends_between(nearest(x, reach), i, j, x, reach);
+    return bends_between(nearest(x, beside_an_edge, reach), i, j, x, reach);
 }
 
 bool Faces::bends_between(const std::vector<int>& near, int i, int j, const Point& x, double reach) const
@@ -140,12 +181,11 @@ bool Faces::is_between(int m, int i, int j) const
 }
 
 /// The samples nearest to x. \param reach a guess of how far they lie, 0 for none.
-std::vector<int> Faces::nearest(const Point& x, double reach) const
+std::vector<int> Faces::nearest(const Point& x, int count, double reach) const
 {
-    constexpr int looked_at = 12;
-    std::vector<int> near(looked_at);
-    double squared[looked_at];
-    near.resize(std::size_t(usable_.search->nearest(x, looked_at, near.data(), squared, reach)));
+    std::vector<int> near(std::size_t(count), 0);
+    std::vector<double> squared(near.size());
+    near.resize(std::size_t(usable_.search->nearest(x, count, near.data(), squared.data(), reach)));
     return near;
 }
 

@@ -21,6 +21,8 @@ struct CreasePlace
     bool is_corner() const { return around.size() > 2; }
 };
 
+Points positions_of(const std::vector<CreasePlace>& places);
+
 /// Takes of places near each other those that are asked for first.
 class Thinning
 {
@@ -64,6 +66,8 @@ public:
     bool are_edges(const CreasePlace& at) const;
     /// Whether each two of them end there sharply.
     bool are_sharp(const CreasePlace& at) const;
+    /// Whether an edge of two of a corner's faces passes it: both go on beyond the third.
+    bool is_passed(const CreasePlace& corner) const;
     /// Whether another sheet lies between any of these samples and x: x is on another wall then.
     bool is_hidden(const Point& x, const std::vector<int>& samples) const;
     /// Whether samples nearer to x than `reach` have normals between those of i and j: the face just bends there.
@@ -71,7 +75,7 @@ public:
     bool is_between(int m, int i, int j) const;
 
 private:
-    std::vector<int> nearest(const Point& x, double reach) const;
+    std::vector<int> nearest(const Point& x, int count, double reach) const;
     bool is_hidden_by(const std::vector<int>& near, const Point& x, const std::vector<int>& samples) const;
     bool bends_between(const std::vector<int>& near, int i, int j, const Point& x, double reach) const;
     bool hides(int m, int from, const Point& x) const;

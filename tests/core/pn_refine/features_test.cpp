@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
@@ -147,10 +148,10 @@ TEST(Creases, NormalsThatAreNotExactShowNone)
 }
 
 /// A plate of 2 x 2 x `thickness` with a bore along z, `count` samples to the unit of area.
-OrientedSamples bored_plate(double thickness, double bore, double count)
+OrientedSamples bored_plate(double thickness, double bore, double count, std::uint64_t seed = 7)
 {
     OrientedSamples samples;
-    shapes::Random random(7);
+    shapes::Random random(seed);
     const auto add = [&](double area, const auto& draw)
     {
         for (int i = 0; i < int(area * count); ++i)
@@ -229,36 +230,196 @@ TEST(Creases, CornersAreFoundWhereFewSamplesShowThem)
     }
 }
 
+TEST(Creases, CornersAreFoundAroundWhichAFaceGoesOn)
+{
+    // An L: at its inner corners a face covers three quarters of the plane.
+    const std::vector<Eigen::Vector2d> outline = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+    int found = 0;
+    constexpr int seeds = 5;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+    {
+        OrientedSamples samples;
+        shapes::Random random(seed);
+        const auto add = [&](const Point& p, const Vector& n)
+        {
+            samples.points.push_back(p);
+            samples.normals.push_back(n);
+        };
+        constexpr int density = 400;
+        for (int i = 0; i < 4 * density; ++i)
+            for (const double side : {0.0, 1.0})
+                if (const double x = 2 * shapes::uniform(random), y = 2 * shapes::uniform(random); x < 1 || y < 1)
+                    add({x, y, side}, (2 * side - 1) * Vector::UnitZ());
+        for (std::size_t k = 0; k < outline.size(); ++k)
+        {
+            const Eigen::Vector2d &from = outline[k], along = outline[(k + 1) % outline.size()] - from,
+                                  out = Eigen::Vector2d(along.y(), -along.x()).normalized();
+            for (int i = 0; i < int(along.norm() * density); ++i)
+            {
+                const Eigen::Vector2d at = from + shapes::uniform(random) * along;
+                add({at.x(), at.y(), shapes::uniform(random)}, {out.x(), out.y(), 0});
+            }
+        }
+        const PnRefinement refined = refine_points(samples, one_thread(0));
+        for (int i = 0; i < refined.crease_points; ++i)
+            for (const Eigen::Vector2d& corner : outline)
+                found += (refined.points[std::size_t(i)].head<2>() - corner).norm() < 1e-9 &&
+                         std::abs(refined.points[std::size_t(i)].z() - 0.5) > 0.5 - 1e-9;
+    }
+    EXPECT_GE(found, seeds * 11 * 3); // of twelve
+}
+
+TEST(Creases, EdgesThatEndElsewhereLeaveAFaceWhole)
+{
+    // A floor, and creases along a short wall that stands on it: beyond their ends they say nothing.
+    OrientedSamples samples;
+    const auto add = [&](const Point& p, const Vector& n)
+    {
+        samples.points.push_back(p);
+        samples.normals.push_back(n);
+    };
+    shapes::Random random(2);
+    for (int i = 0; i < 2000; ++i)
+        if (const double x = 40 * shapes::uniform(random) - 20, y = 50 * shapes::uniform(random) - 25;
+            std::abs(y) > 5 || x < 0 || x > 1)
+            add({x, y, 0}, Vector::UnitZ());
+    for (int y = -5; y <= 5; ++y)
+        for (const double z : {0.0, 0.0, 1.0, 2.0})
+            add({0, double(y), z}, z > 0 || samples.points.back().z() == 0 ? Vector(-1, 0, 0) : Vector::UnitZ());
+    PnRefineOptions options = one_thread(3);
+    options.detect_creases = false;
+    const PnRefinement refined = refine_points(samples, options);
+    int behind = 0, elsewhere = 0;
+    for (const Point& p : refined.points)
+        if (std::abs(p.y()) < 5 && p.z() < 0.1)
+        {
+            behind += p.x() > 4 && p.x() < 14;
+            elsewhere += p.x() < -4 && p.x() > -14;
+        }
+    EXPECT_GT(behind, 0.9 * elsewhere);
+}
+
 TEST(Creases, PlanesOfThinWallsDoNotMeetInside)
 {
     // A square tube with walls of 1.2 spacings: the inner plane of one wall meets the outer one of the next inside.
     constexpr double inner = 0.93;
-    OrientedSamples samples;
-    shapes::Random random(9);
-    for (int i = 0; i < 8 * 560; ++i)
-    {
-        const double u = 2 * shapes::uniform(random) - 1, z = 2 * shapes::uniform(random) - 1;
-        const double half = i % 2 ? 1 : inner, side = i % 4 < 2 ? 1 : -1;
-        Point p(half * side, half * u, z);
-        Vector n(i % 2 ? side : -side, 0, 0);
-        if (i % 8 < 4)
-        {
-            std::swap(p.x(), p.y());
-            std::swap(n.x(), n.y());
-        }
-        samples.points.push_back(p);
-        samples.normals.push_back(n);
-    }
-    const PnRefinement refined = refine_points(samples, one_thread(0));
     int on_edges = 0, inside = 0;
+    for (std::uint64_t seed = 9; seed <= 12; ++seed)
+    {
+        OrientedSamples samples;
+        shapes::Random random(seed);
+        for (int i = 0; i < 8 * 560; ++i)
+        {
+            const double u = 2 * shapes::uniform(random) - 1, z = 2 * shapes::uniform(random) - 1;
+            const double half = i % 2 ? 1 : inner, side = i % 4 < 2 ? 1 : -1;
+            Point p(half * side, half * u, z);
+            Vector n(i % 2 ? side : -side, 0, 0);
+            if (i % 8 < 4)
+            {
+                std::swap(p.x(), p.y());
+                std::swap(n.x(), n.y());
+            }
+            samples.points.push_back(p);
+            samples.normals.push_back(n);
+        }
+        const PnRefinement refined = refine_points(samples, one_thread(0));
+        for (int i = 0; i < refined.crease_points; ++i)
+        {
+            const Point p = refined.points[std::size_t(i)].cwiseAbs();
+            const double difference = std::abs(p.x() - p.y());
+            ++(difference < 1e-9 ? on_edges : inside);
+        }
+    }
+    EXPECT_GT(on_edges, 4 * 250);
+    EXPECT_LT(inside, 0.05 * on_edges);
+}
+
+/// Positions at which three or more crease points lie.
+Points corners_of(const PnRefinement& refined)
+{
+    std::map<std::array<double, 3>, int> count;
     for (int i = 0; i < refined.crease_points; ++i)
     {
-        const Point p = refined.points[std::size_t(i)].cwiseAbs();
-        const double difference = std::abs(p.x() - p.y());
-        ++(difference < 1e-9 ? on_edges : inside);
+        const Point& p = refined.points[std::size_t(i)];
+        ++count[{p.x(), p.y(), p.z()}];
     }
-    EXPECT_GT(on_edges, 200);
-    EXPECT_LT(inside, 0.1 * on_edges);
+    Points corners;
+    for (const auto& [p, n] : count)
+        if (n > 2)
+            corners.emplace_back(p[0], p[1], p[2]);
+    return corners;
+}
+
+TEST(Creases, EdgesOfAThinRimDoNotMeetBesideItsCorners)
+{
+    // A box that is open above: in the plane of its rim the lines of inner edges lead on to the outer ones.
+    constexpr double inner = 0.93;
+    const Point outer_corner(1, 1, 1);
+    int right = 0, wrong = 0;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    {
+        OrientedSamples samples;
+        shapes::Random random(seed);
+        const auto uniform = [&] { return 2 * shapes::uniform(random) - 1; };
+        for (int i = 0; i < 1000; ++i)
+            for (int axis = 0; axis < 3; ++axis)
+                for (const double side : {-1.0, 1.0})
+                {
+                    Point p(uniform(), uniform(), uniform());
+                    p[axis] = side;
+                    Vector n = Vector::Zero();
+                    n[axis] = side;
+                    if (axis == 2 && side > 0 && std::abs(p.x()) < inner && std::abs(p.y()) < inner)
+                        p.z() = -inner;
+                    samples.points.push_back(p);
+                    samples.normals.push_back(n);
+                    p[axis] = side * inner;
+                    if (axis < 2 && std::abs(p[1 - axis]) < inner && p.z() > -inner)
+                    {
+                        samples.points.push_back(p);
+                        samples.normals.push_back(-n);
+                    }
+                }
+        for (const Point& p : corners_of(refine_points(samples, one_thread(0))))
+        {
+            const Point a = p.cwiseAbs(), inner_corner(inner, inner, p.z() > 0 ? 1 : inner);
+            ++((a - outer_corner).norm() < 1e-9 || (a - inner_corner).norm() < 1e-9 ? right : wrong);
+        }
+    }
+    EXPECT_GE(right, 6 * 16 * 0.9);
+    EXPECT_LE(wrong, 8);
+}
+
+TEST(Creases, RimsOfPinsHaveNoCorners)
+{
+    constexpr double radius = 2, length = 8; // [spacings]
+    int corners = 0, crease_points = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed)
+    {
+        OrientedSamples samples;
+        shapes::Random random(seed);
+        const auto uniform = [&] { return 2 * shapes::uniform(random) - 1; };
+        for (int i = 0; i < int(2 * M_PI * radius * length); ++i)
+        {
+            const double angle = M_PI * uniform();
+            const Vector out(std::cos(angle), std::sin(angle), 0);
+            samples.points.push_back(radius * out + length / 2 * uniform() * Vector::UnitZ());
+            samples.normals.push_back(out);
+        }
+        for (const double side : {-1.0, 1.0})
+            for (int i = 0; i < int(4 * radius * radius); ++i)
+                if (const Point p(radius * uniform(), radius * uniform(), side * length / 2);
+                    p.head<2>().norm() < radius)
+                {
+                    samples.points.push_back(p);
+                    samples.normals.push_back(side * Vector::UnitZ());
+                }
+        const PnRefinement refined = refine_points(samples, one_thread(0));
+        corners += int(corners_of(refined).size());
+        crease_points += refined.crease_points;
+    }
+    EXPECT_GT(crease_points, 1700);
+    EXPECT_LT(3 * corners, 0.08 * crease_points);
 }
 
 TEST(Creases, LieAsDenselyAsTheSamplesAroundThem)
