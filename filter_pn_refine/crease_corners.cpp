@@ -9,7 +9,8 @@ namespace recon::pn
 namespace
 {
 
-constexpr double farthest = 2.3; ///< From a corner to places on its edges [spacings].
+constexpr double nearest = 1.2;  ///< The nearest sample lies no farther from a corner,
+constexpr double farthest = 2.3; ///< and the nearest places of its edges no farther [spacings].
 
 class CornerFinder
 {
@@ -61,7 +62,8 @@ private:
                     continue;
                 corner = faces_.place(x, {a, b, c});
                 const double reach = farthest * corner.spacing;
-                if ((x - first.point).norm() <= reach && (x - second.point).norm() <= reach && !bends(b, c, x) &&
+                if ((x - first.point).norm() <= reach && (x - second.point).norm() <= reach &&
+                    faces_.distance_to_samples(x) < nearest * corner.spacing && !bends(b, c, x) &&
                     !faces_.is_hidden(x, {a, a2, b, c}) && !faces_.is_passed(corner) && faces_.are_sharp(corner))
                     return true;
             }

@@ -56,6 +56,8 @@ public:
     /// Whether the normals of two samples differ enough for a crease.
     bool differ(int i, int j) const { return normal(i).dot(normal(j)) < least_agreement_; }
 
+    double distance_to_samples(const Point& x) const { return (point(usable_.search->nearest(x)) - x).norm(); }
+
     CreasePlace place(const Point& x, std::vector<int> around) const;
     /// Where the planes of three samples meet. \returns false if they nearly share a line.
     bool meet(int a, int b, int c, Point& x) const;
