@@ -89,13 +89,11 @@ bool Faces::is_edge(int i, int j, const Point& x) const
 
 bool Faces::are_edges(const CreasePlace& at) const
 {
-    if (at.is_corner() && is_passed(at))
-        return false;
     for (std::size_t p = 0; p < at.around.size(); ++p)
         for (std::size_t q = 0; q < p; ++q)
             if (!is_edge(at.around[p], at.around[q], at.point))
                 return false;
-    return true;
+    return !at.is_corner() || !is_passed(at);
 }
 
 bool Faces::are_sharp(const CreasePlace& at) const

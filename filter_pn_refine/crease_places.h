@@ -64,7 +64,7 @@ public:
     /// Whether the faces of samples i and j end at x, as at an edge of the two: each lies on one side of the other, no
     /// other wall hides it, and no sample around has a normal between the two, as where a surface just bends.
     bool is_edge(int i, int j, const Point& x) const;
-    /// Whether each two of a place's faces meet there in an edge.
+    /// Whether each two of a place's faces meet there in an edge, which no other passes.
     bool are_edges(const CreasePlace& at) const;
     /// Whether each two of them end there sharply.
     bool are_sharp(const CreasePlace& at) const;
@@ -74,6 +74,7 @@ public:
     bool is_hidden(const Point& x, const std::vector<int>& samples) const;
     /// Whether samples nearer to x than `reach` have normals between those of i and j: the face just bends there.
     bool bends_between(int i, int j, const Point& x, double reach) const;
+    /// Whether the normal of m lies between those of i and j.
     bool is_between(int m, int i, int j) const;
 
 private:
