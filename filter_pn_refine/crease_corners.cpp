@@ -1,5 +1,7 @@
 #include "crease_corners.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,8 +11,9 @@ namespace recon::pn
 namespace
 {
 
-constexpr double nearest = 1.2;  ///< The nearest sample lies no farther from a corner,
-constexpr double farthest = 2.3; ///< and the nearest places of its edges no farther [spacings].
+constexpr double nearest = 1.2;    ///< The nearest sample lies no farther from a corner,
+constexpr double farthest = 2.3;   ///< and the nearest places of its edges no farther [spacings].
+constexpr double next_on_edge = 4; ///< Places that show that an edge leads to it lie no farther.
 
 class CornerFinder
 {
@@ -37,13 +40,34 @@ public:
         return proposed;
     }
 
+    /// Whether other places show all of a corner's edges; or two, and near samples all of its faces. Else another
+    /// plane just cuts an edge there.
+    bool is_shown(const CreasePlace& corner) const
+    {
+        std::vector<int> near;
+        search_.within(corner.point, next_on_edge * corner.spacing, near);
+        const auto shows = [&](int m, int a, int b)
+        { return leads_along(places_[std::size_t(m)], corner.point, a, b); };
+        const std::vector<int>& f = corner.around;
+        int edges = 0;
+        for (std::size_t p = 0; p < f.size(); ++p)
+            edges +=
+                std::any_of(near.begin(), near.end(), [&](int m) { return shows(m, f[p], f[(p + 1) % f.size()]); });
+        return edges == 3 || (edges == 2 && std::all_of(f.begin(), f.end(),
+                                                        [&](int face) {
+                                                            return faces_.has_sample_near(corner.point, face,
+                                                                                          nearest * corner.spacing);
+                                                        }));
+    }
+
     /// Marks places on edges nearer to x.
     void mark_near(const Point& x, double distance, std::vector<char>& is_marked) const
     {
         std::vector<int> near;
         search_.within(x, distance, near);
         for (int m : near)
-            is_marked[std::size_t(m)] = !places_[std::size_t(m)].is_corner();
+            if (!places_[std::size_t(m)].is_corner())
+                is_marked[std::size_t(m)] = 1;
     }
 
 private:
@@ -64,10 +88,23 @@ private:
                 const double reach = farthest * corner.spacing;
                 if ((x - first.point).norm() <= reach && (x - second.point).norm() <= reach &&
                     faces_.distance_to_samples(x) < nearest * corner.spacing && !bends(b, c, x) &&
-                    !faces_.is_hidden(x, {a, a2, b, c}) && !faces_.is_passed(corner) && faces_.are_sharp(corner))
+                    !faces_.is_hidden(x, {a, a2, b, c}) && faces_.are_sharp(corner))
                     return true;
             }
         return false;
+    }
+
+    /// Whether a place lies on the edge of the faces of a and b that leads from x.
+    bool leads_along(const CreasePlace& place, const Point& x, int a, int b) const
+    {
+        constexpr double same_face = 0.9, along = 0.9; // cosines
+        const Vector d = place.point - x, line = faces_.normal(a).cross(faces_.normal(b));
+        const auto is_on = [&](int face)
+        {
+            return std::any_of(place.around.begin(), place.around.end(),
+                               [&](int m) { return faces_.normal(m).dot(faces_.normal(face)) > same_face; });
+        };
+        return d.norm() > 0 && std::abs(d.dot(line)) > along * d.norm() * line.norm() && is_on(a) && is_on(b);
     }
 
     /// Whether b and c lie on one face that just bends at x, as at the rim of a bore.
@@ -92,28 +129,33 @@ private:
 
 void close_corners(const Faces& faces, std::vector<CreasePlace>& places)
 {
-    const CornerFinder finder(faces, places);
-    const std::vector<CreasePlace> proposed = finder.propose();
+    const std::vector<CreasePlace> proposed = CornerFinder(faces, places).propose();
     Points taken;
     for (const CreasePlace& p : places)
         if (p.is_corner())
             taken.push_back(p.point);
-    constexpr double crowded = 0.4; // [spacings]
     Thinning thinning(proposed, taken);
-    std::vector<CreasePlace> added;
-    std::vector<char> is_given_up(places.size(), 0);
+    std::vector<CreasePlace> all;
     for (std::size_t k = 0; k < proposed.size(); ++k)
-    {
-        if (!thinning.is_free(k))
-            continue;
-        thinning.take(k);
-        added.push_back(proposed[k]);
-        finder.mark_near(proposed[k].point, crowded * proposed[k].spacing, is_given_up);
-    }
-    for (std::size_t i = 0; i < places.size(); ++i)
-        if (!is_given_up[i])
-            added.push_back(places[i]);
-    places = std::move(added);
+        if (thinning.is_free(k))
+        {
+            thinning.take(k);
+            all.push_back(proposed[k]);
+        }
+    const std::size_t added = all.size();
+    all.insert(all.end(), places.begin(), places.end());
+    const CornerFinder finder(faces, all);
+    std::vector<char> is_given_up(all.size(), 0);
+    constexpr double crowded = 0.4; // [spacings]
+    for (std::size_t k = 0; k < all.size(); ++k)
+        if (all[k].is_corner() && !finder.is_shown(all[k]))
+            is_given_up[k] = 1;
+        else if (k < added)
+            finder.mark_near(all[k].point, crowded * all[k].spacing, is_given_up);
+    places.clear();
+    for (std::size_t k = 0; k < all.size(); ++k)
+        if (!is_given_up[k])
+            places.push_back(std::move(all[k]));
 }
 
 } // namespace recon::pn

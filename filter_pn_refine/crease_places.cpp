@@ -93,7 +93,7 @@ bool Faces::are_edges(const CreasePlace& at) const
         for (std::size_t q = 0; q < p; ++q)
             if (!is_edge(at.around[p], at.around[q], at.point))
                 return false;
-    return !at.is_corner() || !is_passed(at);
+    return true;
 }
 
 bool Faces::are_sharp(const CreasePlace& at) const
@@ -106,33 +106,18 @@ bool Faces::are_sharp(const CreasePlace& at) const
     return true;
 }
 
-bool Faces::is_passed(const CreasePlace& corner) const
+bool Faces::has_sample_near(const Point& x, int face, double distance) const
 {
-    constexpr double beyond = 2.5, beside = 2.4;      // [spacings] a face that ends at the corner is not that near
     constexpr double same_face = 0.9, in_plane = 0.2; // cosine, [spacings]
-    const auto is_on_face = [&](int m, int face)
-    {
-        return normal(m).dot(normal(face)) > same_face &&
-               std::abs((point(m) - corner.point).dot(normal(face))) < in_plane * corner.spacing;
-    };
-    for (std::size_t p = 0; p < corner.around.size(); ++p)
-    {
-        const int i = corner.around[p], j = corner.around[(p + 1) % corner.around.size()];
-        Vector line = normal(i).cross(normal(j)).normalized();
-        if (line.dot(point(i) + point(j) - 2 * corner.point) > 0)
-            line = -line;
-        const Point x = corner.point + beyond * corner.spacing * line;
-        const std::vector<int> near = nearest(x, around_a_corner, 0);
-        const auto goes_on = [&](int face)
-        {
-            return std::any_of(near.begin(), near.end(),
-                               [&](int m)
-                               { return (point(m) - x).norm() < beside * corner.spacing && is_on_face(m, face); });
-        };
-        if (goes_on(i) && goes_on(j))
-            return true;
-    }
-    return false;
+    const double off = in_plane * double(spacing_[std::size_t(face)]);
+    const std::vector<int> near = nearest(x, around_a_corner, 0);
+    return std::any_of(near.begin(), near.end(),
+                       [&](int m)
+                       {
+                           const Vector d = point(m) - x;
+                           return d.norm() < distance && normal(m).dot(normal(face)) > same_face &&
+                                  std::abs(d.dot(normal(face))) < off;
+                       });
 }
 
 bool Faces::is_hidden(const Point& x, const std::vector<int>& samples) const

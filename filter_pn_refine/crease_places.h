@@ -64,12 +64,12 @@ public:
     /// Whether the faces of samples i and j end at x, as at an edge of the two: each lies on one side of the other, no
     /// other wall hides it, and no sample around has a normal between the two, as where a surface just bends.
     bool is_edge(int i, int j, const Point& x) const;
-    /// Whether each two of a place's faces meet there in an edge, which no other passes.
+    /// Whether each two of a place's faces meet there in an edge.
     bool are_edges(const CreasePlace& at) const;
     /// Whether each two of them end there sharply.
     bool are_sharp(const CreasePlace& at) const;
-    /// Whether an edge of two of a corner's faces passes it: both go on beyond the third.
-    bool is_passed(const CreasePlace& corner) const;
+    /// Whether a sample of the same face as sample `face` lies nearer to x.
+    bool has_sample_near(const Point& x, int face, double distance) const;
     /// Whether another sheet lies between any of these samples and x: x is on another wall then.
     bool is_hidden(const Point& x, const std::vector<int>& samples) const;
     /// Whether samples nearer to x than `reach` have normals between those of i and j: the face just bends there.

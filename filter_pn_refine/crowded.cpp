@@ -60,21 +60,13 @@ float agreement(const LocalPoints& points, int i, int j)
     return points.nx[i] * points.nx[j] + points.ny[i] * points.ny[j] + points.nz[i] * points.nz[j];
 }
 
-/// Whether d leads away from a face beyond its edge. Along the edge it may, since edges are curved.
-bool leads_behind(const FaceDirection& face, float x, float y, float z)
-{
-    constexpr float steep = 0.5f; // sine of the angle to the edge
-    const float along = face[0] * x + face[1] * y + face[2] * z;
-    return along < 0 && along * along > steep * steep * (x * x + y * y + z * z);
-}
-
 /// Whether hits lie on the centre's side of a crease: their normals agree enough and, at a crease point, not more with
 /// another normal of that point; and neither lies beyond the edge where the face of the other ends.
 class CreaseSide
 {
 public:
-    CreaseSide(const LocalPoints& points, const Centre& c, float least, const FaceDirection& own_face,
-               const std::vector<FaceDirection>& faces)
+    CreaseSide(const LocalPoints& points, const Centre& c, float least, const FaceSector& own_face,
+               const std::vector<FaceSector>& faces)
         : points_(points), c_(c), least_(least), own_face_(own_face), faces_(faces)
     {
         const float same = 1e-12f / (c.inverse_radius * c.inverse_radius);
@@ -86,8 +78,8 @@ public:
     {
         const float own = c_.n[0] * points_.nx[j] + c_.n[1] * points_.ny[j] + c_.n[2] * points_.nz[j];
         const Offset d = offset(points_, c_, j);
-        if (leads_behind(own_face_, d.x, d.y, d.z) ||
-            (!faces_.empty() && leads_behind(faces_[std::size_t(j)], -d.x, -d.y, -d.z)))
+        if (own_face_.leads_behind(d.x, d.y, d.z) ||
+            (!faces_.empty() && faces_[std::size_t(j)].leads_behind(-d.x, -d.y, -d.z)))
             return false;
         return own >= least_ && std::all_of(twins_.begin(), twins_.end(),
                                             [&](int t) { return agreement(points_, t, j) <= own + 1e-5f; });
@@ -97,15 +89,15 @@ private:
     const LocalPoints& points_;
     const Centre& c_;
     float least_;
-    const FaceDirection& own_face_;
-    const std::vector<FaceDirection>& faces_;
+    const FaceSector& own_face_;
+    const std::vector<FaceSector>& faces_;
     std::vector<int> twins_;
 };
 
 } // namespace
 
 int choose_hits(const LocalPoints& points, const Centre& c, float least_crease_agreement, bool has_creases,
-                const FaceDirection& own_face, const std::vector<FaceDirection>& faces, std::int32_t* hits, int count)
+                const FaceSector& own_face, const std::vector<FaceSector>& faces, std::int32_t* hits, int count)
 {
     if (has_creases)
     {
@@ -119,29 +111,31 @@ void find_faces(const Level& level, Workspace& w)
 {
     const LocalPoints& points = w.old_points;
     const auto flags_of = [&](int j) { return level.points[std::size_t(points.index[j])].flags; };
-    w.faces.assign(std::size_t(points.count), FaceDirection{});
+    w.faces.assign(std::size_t(points.count), FaceSector{});
     w.edge_points.clear();
     w.is_crease.resize(std::size_t(points.count));
     for (int j = 0; j < points.count; ++j)
         w.is_crease[std::size_t(j)] = (flags_of(j) & WorkPoint::crease) != 0;
     std::vector<int> creases;
     for (int j = 0; j < points.count; ++j)
-        if (flags_of(j) & (WorkPoint::above | WorkPoint::below))
+        if (flags_of(j) & WorkPoint::crease)
             creases.push_back(j);
+    const auto normal = [&](int j) { return FaceDirection{points.nx[j], points.ny[j], points.nz[j]}; };
     for (int j : creases)
+    {
+        std::vector<FaceDirection> others;
         for (int t : creases)
         {
             const float dx = points.x[t] - points.x[j], dy = points.y[t] - points.y[j], dz = points.z[t] - points.z[j];
             constexpr float same = 1e-6f; // [largest radius of the leaf]
-            if (t == j || dx * dx + dy * dy + dz * dz > same * same)
-                continue;
-            const float c = agreement(points, j, t), s = (flags_of(j) & WorkPoint::above) ? 1.f : -1.f,
-                        scale = s / std::sqrt(std::max(1 - c * c, 1e-12f));
-            w.faces[std::size_t(j)] = {(points.nx[t] - c * points.nx[j]) * scale,
-                                       (points.ny[t] - c * points.ny[j]) * scale,
-                                       (points.nz[t] - c * points.nz[j]) * scale};
-            w.edge_points.push_back(j);
+            if (t != j && dx * dx + dy * dy + dz * dz <= same * same)
+                others.push_back(normal(t));
         }
+        FaceSector& face = w.faces[std::size_t(j)];
+        face = face_sector(flags_of(j), normal(j), others);
+        if (face.is_known())
+            w.edge_points.push_back(j);
+    }
 }
 
 void reject_behind_edges(Workspace& w, const Centre& c)
@@ -170,17 +164,17 @@ void reject_behind_edges(Workspace& w, const Centre& c)
             if (height * height > in_plane * in_plane * squared)
                 continue;
             nearest = squared;
-            is_behind = leads_behind(w.faces[std::size_t(j)], dx, dy, dz);
+            is_behind = w.faces[std::size_t(j)].leads_behind(dx, dy, dz);
         }
         if (is_behind)
             of.usable &= ~(1u << k);
     }
 }
 
-void reject_other_side(Workspace& w, const Centre& c, const FaceDirection& own_face, float least_crease_agreement,
+void reject_other_side(Workspace& w, const Centre& c, const FaceSector& own_face, float least_crease_agreement,
                        float least_distance)
 {
-    const std::vector<FaceDirection> unknown;
+    const std::vector<FaceSector> unknown;
     const CreaseSide side(w.new_points, c, least_crease_agreement, own_face, unknown);
     Arrivals& a = w.arrivals;
     for (int k = 0; k < a.count; ++k)

@@ -12,7 +12,7 @@ struct Workspace;
 /// Keeps of too many hits those around: the four nearest in each of 24 sectors, also where a radius reaches across a
 /// hole. Near creases only what lies on the centre's side. \returns how many are kept.
 int choose_hits(const LocalPoints& points, const Centre& c, float least_crease_agreement, bool has_creases,
-                const FaceDirection& own_face, const std::vector<FaceDirection>& faces, std::int32_t* hits, int count);
+                const FaceSector& own_face, const std::vector<FaceSector>& faces, std::int32_t* hits, int count);
 
 /// Finds Workspace::faces.
 void find_faces(const Level& level, Workspace& w);
@@ -21,7 +21,7 @@ void find_faces(const Level& level, Workspace& w);
 void reject_behind_edges(Workspace& w, const Centre& c);
 
 /// New points on the other side of a crease still keep others at a distance, but join nothing.
-void reject_other_side(Workspace& w, const Centre& c, const FaceDirection& own_face, float least_crease_agreement,
+void reject_other_side(Workspace& w, const Centre& c, const FaceSector& own_face, float least_crease_agreement,
                        float least_distance);
 
 } // namespace recon::pn

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "face_sector.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -66,9 +68,6 @@ private:
     static constexpr std::size_t rows = 10;
     std::vector<Line> storage_;
 };
-
-/// From an edge into the face of a crease point, in its tangent plane, of unit length; 0 where that is not known.
-using FaceDirection = std::array<float, 3>;
 
 /// A refined point in the frame of its leaf.
 struct Centre

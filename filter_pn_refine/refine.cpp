@@ -92,8 +92,9 @@ public:
         PhaseTimes times;
         Prepared& prepared = prepared_.emplace();
         prepare_input(input, options_, hints_, frame_, threads_, progress.part(0, 0.15), times, prepared, result_);
-        find_segments(prepared);
-        start(prepared, choose_radii(prepared.usable, prepared.fans, options_, hints_, frame_.scale()));
+        const std::vector<std::uint32_t> sides = sides_of_faces(prepared.usable);
+        find_segments(prepared, sides);
+        start(prepared, sides, choose_radii(prepared.usable, prepared.fans, options_, hints_, frame_.scale()));
         prepared.usable.nearest = {};
         times.end();
 
@@ -130,7 +131,7 @@ private:
         result_.radii.reserve(n);
     }
 
-    void find_segments(const Prepared& prepared)
+    void find_segments(const Prepared& prepared, const std::vector<std::uint32_t>& sides)
     {
         if (options_.preserve_boundaries)
             segments_ = find_boundary_segments(prepared.usable, prepared.fans, prepared.spacing,
@@ -139,18 +140,17 @@ private:
         if (options_.preserve_creases)
         {
             const std::vector<Segment> creases =
-                find_crease_segments(prepared.usable, prepared.fans, options_.crease_angle * radians);
+                find_crease_segments(prepared.usable, prepared.fans, sides, options_.crease_angle * radians);
             result_.crease_segments = int(creases.size());
             segments_.insert(segments_.end(), creases.begin(), creases.end());
         }
     }
 
-    void start(const Prepared& prepared, const std::vector<double>& radii)
+    void start(const Prepared& prepared, const std::vector<std::uint32_t>& sides, const std::vector<double>& radii)
     {
         const UsableSamples& usable = prepared.usable;
         const double target = options_.target_radius / frame_.scale();
         std::vector<WorkPoint> points(usable.input.size());
-        const std::vector<int> sides = sides_of_faces(usable);
         for (std::size_t i = 0; i < points.size(); ++i)
         {
             WorkPoint& p = points[i];
@@ -162,8 +162,7 @@ private:
             p.flags = is_frozen(hints_, p.id) ? WorkPoint::frozen
                                               : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
-                p.flags |=
-                    WorkPoint::crease | (sides[i] > 0 ? WorkPoint::above : 0u) | (sides[i] < 0 ? WorkPoint::below : 0u);
+                p.flags |= WorkPoint::crease | sides[i];
         }
         level_ = make_level(std::move(points));
     }

@@ -374,7 +374,7 @@ struct PointRefiner
         // Far from creases normals of neighbours may differ as much as elsewhere.
         const bool at_crease = w.has_creases && std::any_of(hits, hits + found_old,
                                                             [&](int j) { return w.is_crease[std::size_t(j)] != 0; });
-        const FaceDirection own_face = w.has_creases ? w.faces[std::size_t(own)] : FaceDirection{};
+        const FaceSector own_face = w.has_creases ? w.faces[std::size_t(own)] : FaceSector{};
         if (found > largest_ring || at_crease)
             found = choose_hits(old_points, c, step.least_crease_agreement, at_crease, own_face, w.faces, hits, found);
         fill_ring(old_points, c, hits, found, ring);

@@ -1,5 +1,7 @@
 #include "segments.h"
 
+#include "crease_sides.h"
+
 #include <recon/neighbours.h>
 
 #include <Eigen/Geometry>
@@ -148,7 +150,8 @@ void add_links_along(const UsableSamples& usable, const InitialFans& fans, doubl
     }
 }
 
-std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans, double crease_angle)
+std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans,
+                                          const std::vector<std::uint32_t>& sides, double crease_angle)
 {
     const int n = int(usable.input.size());
     const double same = std::cos(crease_angle);
@@ -167,10 +170,22 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
         }
     }
     add_links_along(usable, fans, same, links);
+    const std::vector<FaceSector> sectors = sectors_of_faces(usable, sides);
+    const auto leads_behind = [&](int from, int to)
+    {
+        const FaceDirection d =
+            as_floats(usable.samples.points[std::size_t(to)] - usable.samples.points[std::size_t(from)]);
+        return sectors[std::size_t(from)].leads_behind(d[0], d[1], d[2]);
+    };
     std::vector<CreaseLink> found;
     for (auto& [key, pairs] : links)
     {
         CreaseLink link{key.first, key.second, {}, {}, 0};
+        // Beyond a corner the line of an edge may be that of another, across a mouth.
+        pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                                   [&](const std::array<int, 2>& p)
+                                   { return leads_behind(p[0], p[1]) || leads_behind(p[1], p[0]); }),
+                    pairs.end());
         double best = -2;
         for (const auto& p : pairs)
             for (const auto& q : pairs)

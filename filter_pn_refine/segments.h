@@ -4,6 +4,8 @@
 #include "level.h"
 #include "usable_samples.h"
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace recon::pn
@@ -20,8 +22,10 @@ struct Segment
 std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const InitialFans& fans,
                                             const std::vector<float>& spacing, double boundary_angle);
 
-/// Pairs of crease positions that are neighbours on two sides: straight on, not across.
-std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans, double crease_angle);
+/// Pairs of crease positions that are neighbours on two sides: straight on, not across, and not where a face has ended.
+/// \param sides from sides_of_faces().
+std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans,
+                                          const std::vector<std::uint32_t>& sides, double crease_angle);
 
 /// Where the points inserted on a segment went: leaf and index there, per side, at one third and at two.
 struct InsertedThirds

@@ -76,6 +76,16 @@ void leave_out(const std::vector<char>& is_isolated, UsableSamples& usable)
 
 } // namespace
 
+std::vector<int> next_at_position(const UsableSamples& usable)
+{
+    std::vector<int> next(usable.input.size());
+    std::iota(next.begin(), next.end(), 0);
+    for (std::size_t i = 0; i < next.size(); ++i)
+        if (const auto first = std::size_t(usable.sharing[i]); first != i)
+            std::swap(next[i], next[first]);
+    return next;
+}
+
 void update_nearest(UsableSamples& usable, int threads, const Progress& progress)
 {
     usable.search = std::make_unique<BlockSearch>(usable.samples.points);

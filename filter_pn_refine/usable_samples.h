@@ -38,6 +38,9 @@ struct UsableSamples
 void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
                            const Progress& progress, UsableSamples& usable);
 
+/// Per sample the next at its position, itself if it is alone: rings.
+std::vector<int> next_at_position(const UsableSamples& usable);
+
 /// How far to look for k samples that lie `spacing` apart: a search without a guess has to make one first.
 inline double likely_reach(double spacing, int k)
 {

@@ -34,9 +34,9 @@ struct Workspace
     std::vector<float> next;          ///< Per old local point: radius to raise it to.
     std::vector<float> radius_before; ///< Per new local point.
     std::vector<std::int32_t> hits;
-    std::vector<FaceDirection> faces; ///< Per old local point, if there are creases.
-    std::vector<char> is_crease;      ///< The same.
-    std::vector<int> edge_points;     ///< Old local points whose face is known.
+    std::vector<FaceSector> faces; ///< Per old local point, if there are creases.
+    std::vector<char> is_crease;   ///< The same.
+    std::vector<int> edge_points;  ///< Old local points whose face is known.
     Ring ring;
     Fan fan;
     Arrivals arrivals;

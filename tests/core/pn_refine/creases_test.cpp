@@ -1,3 +1,4 @@
+#include "crease_shapes.h"
 #include "one_thread.h"
 
 #include "filter_pn_refine/refine.h"
@@ -16,12 +17,6 @@ namespace
 {
 
 using namespace recon;
-
-void append(OrientedSamples& samples, const Point& p, const Vector& normal)
-{
-    samples.points.push_back(p);
-    samples.normals.push_back(normal);
-}
 
 /// Cube of side 2 with m x m samples a face; those on edges and corners stand twice and three times.
 OrientedSamples cube(int m)
@@ -215,52 +210,6 @@ TEST(Creases, LieWhereCurvedFacesEnd)
     EXPECT_LT(farthest, 0.25 * 0.05);
 }
 
-TEST(Creases, CornersAreFoundWhereFewSamplesShowThem)
-{
-    for (std::uint64_t seed = 1; seed <= 6; ++seed)
-    {
-        const PnRefinement refined = refine_points(shapes::box(4000, Vector(2, 2, 2), seed), one_thread(0));
-        int corners = 0;
-        for (int i = 0; i < refined.crease_points; ++i)
-            corners += (refined.points[std::size_t(i)].cwiseAbs() - Vector::Ones()).norm() < 1e-9;
-        EXPECT_EQ(corners, 8 * 3) << seed;
-    }
-}
-
-TEST(Creases, CornersAreFoundAroundWhichAFaceGoesOn)
-{
-    // An L: at its inner corners a face covers three quarters of the plane.
-    const std::vector<Eigen::Vector2d> outline = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
-    int found = 0;
-    constexpr int seeds = 5;
-    for (std::uint64_t seed = 1; seed <= seeds; ++seed)
-    {
-        OrientedSamples samples;
-        shapes::Random random(seed);
-        constexpr int density = 400;
-        for (int i = 0; i < 4 * density; ++i)
-            for (const double side : {0.0, 1.0})
-                if (const double x = 2 * shapes::uniform(random), y = 2 * shapes::uniform(random); x < 1 || y < 1)
-                    append(samples, {x, y, side}, (2 * side - 1) * Vector::UnitZ());
-        for (std::size_t k = 0; k < outline.size(); ++k)
-        {
-            const Eigen::Vector2d &from = outline[k], along = outline[(k + 1) % outline.size()] - from,
-                                  out = Eigen::Vector2d(along.y(), -along.x()).normalized();
-            for (int i = 0; i < int(along.norm() * density); ++i)
-            {
-                const Eigen::Vector2d at = from + shapes::uniform(random) * along;
-                append(samples, {at.x(), at.y(), shapes::uniform(random)}, {out.x(), out.y(), 0});
-            }
-        }
-        const PnRefinement refined = refine_points(samples, one_thread(0));
-        for (int i = 0; i < refined.crease_points; ++i)
-            for (const Eigen::Vector2d& corner : outline)
-                found += (refined.points[std::size_t(i)].head<2>() - corner).norm() < 1e-9 &&
-                         std::abs(refined.points[std::size_t(i)].z() - 0.5) > 0.5 - 1e-9;
-    }
-    EXPECT_GE(found, seeds * 11 * 3); // of twelve
-}
-
 TEST(Creases, EdgesThatEndElsewhereLeaveAFaceWhole)
 {
     // A floor, and creases along a short wall that stands on it: beyond their ends they say nothing.
@@ -319,90 +268,6 @@ TEST(Creases, PlanesOfThinWallsDoNotMeetInside)
     }
     EXPECT_GT(on_edges, 4 * 250);
     EXPECT_LT(inside, 0.05 * on_edges);
-}
-
-/// Positions at which three or more crease points lie.
-Points corners_of(const PnRefinement& refined)
-{
-    std::map<std::array<double, 3>, int> count;
-    for (int i = 0; i < refined.crease_points; ++i)
-    {
-        const Point& p = refined.points[std::size_t(i)];
-        ++count[{p.x(), p.y(), p.z()}];
-    }
-    Points corners;
-    for (const auto& [p, n] : count)
-        if (n > 2)
-            corners.emplace_back(p[0], p[1], p[2]);
-    return corners;
-}
-
-TEST(Creases, EdgesOfAThinRimDoNotMeetBesideItsCorners)
-{
-    // A box that is open above: in the plane of its rim the lines of inner edges lead on to the outer ones.
-    constexpr double inner = 0.93;
-    const Point outer_corner(1, 1, 1);
-    int right = 0, wrong = 0;
-    for (std::uint64_t seed = 1; seed <= 6; ++seed)
-    {
-        OrientedSamples samples;
-        shapes::Random random(seed);
-        const auto uniform = [&] { return 2 * shapes::uniform(random) - 1; };
-        for (int i = 0; i < 1000; ++i)
-            for (int axis = 0; axis < 3; ++axis)
-                for (const double side : {-1.0, 1.0})
-                {
-                    Point p(uniform(), uniform(), uniform());
-                    p[axis] = side;
-                    Vector n = Vector::Zero();
-                    n[axis] = side;
-                    if (axis == 2 && side > 0 && std::abs(p.x()) < inner && std::abs(p.y()) < inner)
-                        p.z() = -inner;
-                    append(samples, p, n);
-                    p[axis] = side * inner;
-                    if (axis < 2 && std::abs(p[1 - axis]) < inner && p.z() > -inner)
-                    {
-                        append(samples, p, -n);
-                    }
-                }
-        for (const Point& p : corners_of(refine_points(samples, one_thread(0))))
-        {
-            const Point a = p.cwiseAbs(), inner_corner(inner, inner, p.z() > 0 ? 1 : inner);
-            ++((a - outer_corner).norm() < 1e-9 || (a - inner_corner).norm() < 1e-9 ? right : wrong);
-        }
-    }
-    EXPECT_GE(right, 6 * 16 * 0.9);
-    EXPECT_LE(wrong, 8);
-}
-
-TEST(Creases, RimsOfPinsHaveNoCorners)
-{
-    constexpr double radius = 2, length = 8; // [spacings]
-    int corners = 0, crease_points = 0;
-    for (std::uint64_t seed = 1; seed <= 40; ++seed)
-    {
-        OrientedSamples samples;
-        shapes::Random random(seed);
-        const auto uniform = [&] { return 2 * shapes::uniform(random) - 1; };
-        for (int i = 0; i < int(2 * M_PI * radius * length); ++i)
-        {
-            const double angle = M_PI * uniform();
-            const Vector out(std::cos(angle), std::sin(angle), 0);
-            append(samples, radius * out + length / 2 * uniform() * Vector::UnitZ(), out);
-        }
-        for (const double side : {-1.0, 1.0})
-            for (int i = 0; i < int(4 * radius * radius); ++i)
-                if (const Point p(radius * uniform(), radius * uniform(), side * length / 2);
-                    p.head<2>().norm() < radius)
-                {
-                    append(samples, p, side * Vector::UnitZ());
-                }
-        const PnRefinement refined = refine_points(samples, one_thread(0));
-        corners += int(corners_of(refined).size());
-        crease_points += refined.crease_points;
-    }
-    EXPECT_GT(crease_points, 1700);
-    EXPECT_LT(3 * corners, 0.08 * crease_points);
 }
 
 TEST(Creases, LieAsDenselyAsTheSamplesAroundThem)
