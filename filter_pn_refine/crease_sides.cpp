@@ -146,7 +146,7 @@ private:
         constexpr double along = 0.9, same_face = 0.9; // cosines
         const Vector line = a.cross(b);
         if (!usable_.is_crease[std::size_t(j)] || normals_[std::size_t(j)].dot(a) < same_face || d.isZero(0) ||
-            std::abs(d.dot(line)) < along * d.norm() * line.norm())
+            !(std::abs(d.dot(line)) > along * d.norm() * line.norm())) // nor where the normals are opposite
             return false;
         for (int t = next_[std::size_t(j)]; t != j; t = next_[std::size_t(t)])
             if (normals_[std::size_t(t)].dot(b) > same_face)
