@@ -99,25 +99,29 @@ void add_links_along(const UsableSamples& usable, const InitialFans& fans, doubl
 {
     const Points& points = usable.samples.points;
     const Vectors& normals = usable.samples.normals;
-    std::vector<std::vector<int>> splats(points.size());
+    const std::vector<int> next = next_at_position(usable);
     std::vector<int> places;
     Points positions;
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (usable.is_crease[i])
-            splats[std::size_t(usable.sharing[i])].push_back(int(i));
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (splats[i].size() >= 2)
+        if (usable.sharing[i] == int(i) && next[i] != int(i))
         {
             places.push_back(int(i));
             positions.push_back(points[i]);
         }
     if (places.size() < 2)
         return;
+    const auto splats_at = [&](int place)
+    {
+        std::vector<int> splats = {place};
+        for (int t = next[std::size_t(place)]; t != place; t = next[std::size_t(t)])
+            splats.push_back(t);
+        std::sort(splats.begin(), splats.end());
+        return splats;
+    };
     const NeighbourSearch search(positions);
-    const auto follows = [&](int place, const Vector& unit)
+    const auto follows = [&](const std::vector<int>& own, const Vector& unit)
     {
         // At a corner along any two of its faces.
-        const std::vector<int>& own = splats[std::size_t(place)];
         for (std::size_t p = 0; p < own.size(); ++p)
             for (std::size_t q = 0; q < p; ++q)
             {
@@ -140,10 +144,11 @@ void add_links_along(const UsableSamples& usable, const InitialFans& fans, doubl
             if (length == 0 || a > b || length > std::max(fans.radius[std::size_t(a)], fans.radius[std::size_t(b)]))
                 continue;
             const Vector unit = (points[std::size_t(b)] - points[std::size_t(a)]) / length;
-            if (!follows(a, unit) || !follows(b, unit))
+            const std::vector<int> at_a = splats_at(a), at_b = splats_at(b);
+            if (!follows(at_a, unit) || !follows(at_b, unit))
                 continue;
-            for (int i : splats[std::size_t(a)])
-                for (int j : splats[std::size_t(b)])
+            for (int i : at_a)
+                for (int j : at_b)
                     if (normals[std::size_t(i)].dot(normals[std::size_t(j)]) >= same)
                         add_link(usable, i, j, links);
         }
@@ -170,6 +175,8 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
         }
     }
     add_links_along(usable, fans, same, links);
+    if (links.empty())
+        return {};
     const std::vector<FaceSector> sectors = sectors_of_faces(usable, sides);
     const auto leads_behind = [&](int from, int to)
     {

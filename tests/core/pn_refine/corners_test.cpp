@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <utility>
+#include <cmath>
+#include <initializer_list>
+#include <vector>
 
 namespace
 {
@@ -134,7 +136,7 @@ TEST(Corners, TheirFacesAreToldFromTheSamplesAround)
 /// A comb of four teeth of six spacings; the mouths between them are two and a half wide.
 constexpr double tooth = 0.3, mouth = 0.125, root = 0.3, tip = 0.8;
 
-inline std::vector<Eigen::Vector2d> comb_outline()
+std::vector<Eigen::Vector2d> comb_outline()
 {
     std::vector<Eigen::Vector2d> outline = {{0, 0}, {4 * tooth + 3 * mouth, 0}};
     for (int k = 3; k >= 0; --k)
@@ -147,7 +149,7 @@ inline std::vector<Eigen::Vector2d> comb_outline()
     return outline;
 }
 
-inline bool is_in_comb(double x, double y)
+bool is_in_comb(double x, double y)
 {
     return y < root || std::fmod(x, tooth + mouth) < tooth;
 }
