@@ -68,7 +68,7 @@ void correct(Anchor& anchor, const TwoWidths& fits, double step, double width)
     QuadricFit corrected = fits.wide;
     for (std::size_t k = 0; k < corrected.c.size(); ++k)
         corrected.c[k] += step * (fits.narrow.c[k] - corrected.c[k]);
-    place_anchor(anchor, fits.position, fits.normal, corrected, width);
+    place_anchor(anchor, fits.position, fits.frame, corrected, width);
     anchor.width = width * std::pow(bent_width, std::min(step, 1.0));
 }
 

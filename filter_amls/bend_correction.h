@@ -12,9 +12,9 @@ struct TwoWidths
     static constexpr double narrower = 0.6; ///< Of the width.
 
     Point position;
-    Vector normal;           ///< Unit length.
-    QuadricFit wide, narrow; ///< Both in units of the wider width.
-    bool comparable = false; ///< Both fits are good.
+    TangentFrame frame{Vector::UnitZ()}; ///< Perhaps stretched.
+    QuadricFit wide, narrow;             ///< Both in units of the wider width.
+    bool comparable = false;             ///< Both fits are good.
 };
 
 /// Where the surface bends within the width the heights of the two fits differ by more than noise explains: there the

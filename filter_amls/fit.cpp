@@ -2,6 +2,7 @@
 
 #include "bend_correction.h"
 #include "runs.h"
+#include "stretched_frame.h"
 #include "weighted_sums.h"
 
 #include <recon/block_search.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace recon
 {
@@ -26,14 +28,8 @@ constexpr double enough_points = 60;  // more effective points do not raise the 
 constexpr double doubtful_move = 0.5; // widths
 constexpr double run_radius = 0.7;    // widths
 constexpr int longest_run = 32;
-
-std::array<double, 6> bending_of(const QuadricFit& fit, double width, const TangentFrame& frame)
-{
-    const double uu = fit.c[3] / (width * width), uv = fit.c[4] / (width * width), vv = fit.c[5] / (width * width);
-    const Eigen::Matrix3d q = uu * frame.t1 * frame.t1.transpose() + vv * frame.t2 * frame.t2.transpose() +
-                              0.5 * uv * (frame.t1 * frame.t2.transpose() + frame.t2 * frame.t1.transpose());
-    return {q(0, 0), q(1, 1), q(2, 2), q(0, 1), q(0, 2), q(1, 2)};
-}
+constexpr double stretch_in_vain = 1.05; // below it a window is as good as round
+constexpr double later_stretch = 1.2;    // of lengths: by how much later rounds may stretch otherwise
 
 QuadricFit in_units(QuadricFit fit, double ratio)
 {
@@ -57,14 +53,58 @@ QuadricFit fit_narrower(const Gathered& gathered, const Point& position, const T
     return in_units(fit, 1 / TwoWidths::narrower);
 }
 
-/// Fits anchors one after the other; holds the samples last gathered.
+/// Fits the anchors of a run; holds the samples last gathered.
 class AnchorFitter
 {
 public:
-    AnchorFitter(const FitSamples& samples, double robust_scale) : samples_(samples), robust_scale_(robust_scale) {}
+    AnchorFitter(const FitSamples& samples, const std::vector<FitStart>& starts, double robust_scale)
+        : samples_(samples), starts_(starts), robust_scale_(robust_scale)
+    {
+    }
 
-    /// Makes the samples around a run of anchors ready.
-    void prepare(const Point& centre, double radius)
+    /// Anchors in plain places at once; those with longer windows after them, since these ask for more samples.
+    void fit(const Run& run, std::vector<Anchor>& anchors, std::vector<TwoWidths>& fits)
+    {
+        const double reach = fit_cut * largest_in(run, [&](int a) { return starts_[a].width; });
+        gather(run.centre, run.radius + reach);
+        stretched_.clear();
+        double longest = 1;
+        for (int a = run.begin; a < run.end; ++a)
+        {
+            const FitStart& start = starts_[a];
+            const Beginning beginning = begin(start);
+            const double stretch = beginning.fit.valid ? stretch_of(next_frame(beginning, start)) : 1;
+            if (stretch > stretch_in_vain)
+            {
+                stretched_.push_back({a, beginning});
+                longest = std::max(longest, stretch);
+            }
+            else
+                anchors[a] = finish(start, beginning, fits[a]);
+        }
+        if (stretched_.empty())
+            return;
+        gather(run.centre, run.radius + later_stretch * longest * reach);
+        for (const auto& [a, beginning] : stretched_)
+        {
+            const FitStart& start = starts_[a];
+            const TangentFrame frame = next_frame(beginning, start);
+            around_.gather_facing(around_run_, beginning.position + beginning.fit.c[0] * start.normal, frame,
+                                  later_stretch * fit_cut * start.width, start.normal, least_cosine);
+            anchors[a] = finish(start, beginning, fits[a]);
+        }
+    }
+
+private:
+    /// Fit over a round window, from which the others go on.
+    struct Beginning
+    {
+        Point position; ///< From the centre of the run.
+        TangentFrame frame;
+        QuadricFit fit;
+    };
+
+    void gather(const Point& centre, double radius)
     {
         samples_.search.within(centre, radius, found_);
         around_run_.gather(samples_.points, samples_.weights, found_, centre);
@@ -72,50 +112,65 @@ public:
         origin_ = centre;
     }
 
-    Anchor fit(const FitStart& start, TwoWidths& two)
+    Beginning begin(const FitStart& start)
+    {
+        const TangentFrame frame(start.normal);
+        const Point position = start.foot - origin_;
+        around_.gather_facing(around_run_, position, frame, fit_cut * start.width, start.normal, least_cosine);
+        return {position, frame, fit_quadric(around_, position, frame, {start.width, fit_cut})};
+    }
+
+    static Vector normal_of(const QuadricFit& fit, const TangentFrame& frame, double width)
+    {
+        return (frame.normal - fit.c[1] / width * frame.t1 - fit.c[2] / width * frame.t2).normalized();
+    }
+
+    TangentFrame next_frame(const Beginning& last, const FitStart& start) const
+    {
+        return stretch_along_bend(last.fit, last.frame, normal_of(last.fit, last.frame, start.width), start.width,
+                                  start.sigma);
+    }
+
+    /// With the samples gathered last.
+    Anchor finish(const FitStart& start, const Beginning& beginning, TwoWidths& two)
     {
         const double width = start.width;
+        auto [position, frame, fit] = beginning;
         Anchor anchor{start.foot, start.normal, {}, 0, width};
-        Point position = start.foot - origin_;
-        Vector direction = start.normal;
-        around_.gather_facing(around_run_, position, fit_cut * width, direction, least_cosine);
-        QuadricWeights how{width, fit_cut};
-        how.robust_scale = robust_scale_ * start.sigma;
-        const int rounds = robust_scale_ < picky_scale ? many_rounds : few_rounds;
-        QuadricFit fit = fit_quadric(around_, position, TangentFrame(direction), how);
         const double plane_confidence = std::min(fit.effective, enough_points);
         if (!fit.valid)
         {
             anchor.confidence = std::min(fit.effective, 1.0);
             return anchor;
         }
+        QuadricWeights how{width, fit_cut};
+        how.robust_scale = robust_scale_ * start.sigma;
+        const int rounds = robust_scale_ < picky_scale ? many_rounds : few_rounds;
         for (int round = 1;; ++round)
         {
-            const TangentFrame frame(direction);
-            position += fit.c[0] * direction;
-            direction = (direction - fit.c[1] / width * frame.t1 - fit.c[2] / width * frame.t2).normalized();
+            const TangentFrame next = next_frame({position, frame, fit}, start);
+            position += fit.c[0] * frame.normal;
             // The surface seen from the frame moved and turned to it: neither offset nor slope are left.
-            QuadricFit moved = fit;
-            moved.c[0] = moved.c[1] = moved.c[2] = 0;
+            const QuadricFit moved = with_bending_in(next, fit, frame);
+            frame = next;
             how.robust_about = &moved;
-            const TangentFrame turned(direction);
-            const QuadricFit next = fit_quadric(around_, position, turned, how);
-            if (!next.valid)
+            const QuadricFit again = fit_quadric(around_, position, frame, how);
+            if (!again.valid)
             {
                 fit = moved;
                 break;
             }
-            fit = next;
+            fit = again;
             if (round + 1 < rounds)
                 continue;
-            two.narrow = fit_narrower(around_, position, turned, how, moved);
+            two.narrow = fit_narrower(around_, position, frame, how, moved);
             two.wide = fit;
             two.comparable = two.narrow.valid && two.narrow.effective > least_points;
             break;
         }
         two.position = position + origin_;
-        two.normal = direction;
-        place_anchor(anchor, two.position, two.normal, fit, width);
+        two.frame = frame;
+        place_anchor(anchor, two.position, frame, fit, width);
         const double moved = (anchor.position - start.foot).norm();
         if (!anchor.position.allFinite() || !anchor.normal.allFinite() ||
             anchor.normal.dot(start.normal) < largest_turn ||
@@ -129,22 +184,23 @@ public:
         return anchor;
     }
 
-private:
     const FitSamples& samples_;
+    const std::vector<FitStart>& starts_;
     double robust_scale_;
     std::vector<int> found_;
     Gathered around_run_, around_;
+    std::vector<std::pair<int, Beginning>> stretched_;
     Point origin_ = Point::Zero();
 };
 
 } // namespace
 
-void place_anchor(Anchor& anchor, const Point& position, const Vector& normal, const QuadricFit& fit, double width)
+void place_anchor(Anchor& anchor, const Point& position, const TangentFrame& frame, const QuadricFit& fit, double width)
 {
-    const TangentFrame frame(normal);
-    anchor.position = position + fit.c[0] * normal;
-    anchor.normal = (normal - fit.c[1] / width * frame.t1 - fit.c[2] / width * frame.t2).normalized();
-    anchor.bending = bending_of(fit, width, frame);
+    anchor.position = position + fit.c[0] * frame.normal;
+    anchor.normal = (frame.normal - fit.c[1] / width * frame.t1 - fit.c[2] / width * frame.t2).normalized();
+    const Eigen::Matrix3d q = bending_of(fit, frame, width);
+    anchor.bending = {q(0, 0), q(1, 1), q(2, 2), q(0, 1), q(0, 2), q(1, 2)};
 }
 
 std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, double robust_scale,
@@ -158,13 +214,8 @@ std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<Fit
     const std::vector<Run> runs =
         split_into_runs(feet, longest_run, [&](int i) { return run_radius * starts[i].width; });
     visit_runs(
-        runs, threads, progress, [&] { return AnchorFitter(samples, robust_scale); },
-        [&](AnchorFitter& fitter, const Run& run)
-        {
-            fitter.prepare(run.centre, run.radius + largest_in(run, [&](int a) { return fit_cut * starts[a].width; }));
-            for (int a = run.begin; a < run.end; ++a)
-                result[a] = fitter.fit(starts[a], fits[a]);
-        });
+        runs, threads, progress, [&] { return AnchorFitter(samples, starts, robust_scale); },
+        [&](AnchorFitter& fitter, const Run& run) { fitter.fit(run, result, fits); });
     correct_bends(result, fits, starts, threads);
     return result;
 }

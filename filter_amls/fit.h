@@ -46,13 +46,14 @@ struct FitStart
 constexpr double picky_scale = 1.8;
 
 /// Fits a quadric to the samples around each anchor, again and again, each time robustly about the one before
-/// (README.md, step 7), and corrects it where the surface bends. Where that fails, turns by more than 60 degrees or
-/// moves too far, the anchor stays the plane it began with.
-/// \param robust_scale how far residuals may be off before they lose weight [sigma], see choose_robust_scale().
+/// and over windows that follow its bends (README.md, step 7), and corrects it where the surface bends. Where that
+/// fails, turns by more than 60 degrees or moves too far, the anchor stays the plane it began with. \param robust_scale
+/// how far residuals may be off before they lose weight [sigma], see choose_robust_scale().
 std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, double robust_scale,
                                 int threads, const Progress& progress = {});
 
-/// Sets place, normal and bending from a fit over `width` in the frame of `normal` at `position`.
-void place_anchor(Anchor& anchor, const Point& position, const Vector& normal, const QuadricFit& fit, double width);
+/// Sets place, normal and bending from a fit over `width` in `frame` at `position`.
+void place_anchor(Anchor& anchor, const Point& position, const TangentFrame& frame, const QuadricFit& fit,
+                  double width);
 
 } // namespace recon

@@ -70,7 +70,8 @@ double choose_robust_scale(const FitSamples& samples, const std::vector<FitStart
                             samples.search.within(start.foot, fit_cut * start.width, found);
                             around.gather(samples.points, samples.weights, found, start.foot);
                             around.gather_directions(samples.normals, found);
-                            facing.gather_facing(around, Point::Zero(), fit_cut * start.width, start.normal, 0);
+                            facing.gather_facing(around, Point::Zero(), TangentFrame(start.normal),
+                                                 fit_cut * start.width, start.normal, 0);
                             add_residuals(facing, start, parts[i].data());
                         }
                     });

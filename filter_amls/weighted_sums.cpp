@@ -43,33 +43,43 @@ void Gathered::gather_directions(const Vectors& directions, const std::vector<in
     }
 }
 
-void Gathered::gather_facing(const Gathered& all, const Point& centre, double radius, const Vector& normal,
-                             double least_cosine)
-{
-    const std::size_t longest = std::size_t(simd::padded(all.size));
-    for (auto* values : {&x, &y, &z, &weight})
-        values->resize(longest);
-    const Eigen::Vector3f c = centre.cast<float>(), n = normal.cast<float>();
-    const float limit = float(radius * radius), least = float(least_cosine);
-    size = 0;
-    for (int i = 0; i < all.size; ++i)
-    {
-        const float px = all.x[i], py = all.y[i], pz = all.z[i], w = all.weight[i];
-        x[size] = px;
-        y[size] = py;
-        z[size] = pz;
-        weight[size] = w;
-        const float dx = px - c.x(), dy = py - c.y(), dz = pz - c.z();
-        const float cosine = all.nx[i] * n.x() + all.ny[i] * n.y() + all.nz[i] * n.z();
-        // Written over by the next one if it does not count: no branch to mispredict.
-        size += int(dx * dx + dy * dy + dz * dz <= limit) & int(w > 0) & int(cosine > least);
-    }
-    for (int i = size; i < simd::padded(size); ++i)
-        x[i] = y[i] = z[i] = weight[i] = 0;
-}
-
 namespace
 {
+
+/// What Gathered::gather_facing() asks.
+struct Window
+{
+    const float *x, *y, *z, *weight, *nx, *ny, *nz;
+    int n;
+    float origin[3], t1[3], t2[3], up[3], facing[3];
+    float squared_radius, least_cosine;
+};
+
+/// Writes which entries count; `chosen` holds as many as there may be. \returns how many.
+RECON_VECTOR_CLONES
+int choose_entries(const Window& in, int* chosen)
+{
+    int count = 0;
+    const Lanes nothing = {};
+    for (int i = 0; i < in.n; i += simd::lane_count)
+    {
+        const Lanes x = simd::load(in.x + i) - in.origin[0], y = simd::load(in.y + i) - in.origin[1],
+                    z = simd::load(in.z + i) - in.origin[2];
+        const Lanes u = x * in.t1[0] + y * in.t1[1] + z * in.t1[2], v = x * in.t2[0] + y * in.t2[1] + z * in.t2[2],
+                    height = x * in.up[0] + y * in.up[1] + z * in.up[2];
+        const Lanes cosine = simd::load(in.nx + i) * in.facing[0] + simd::load(in.ny + i) * in.facing[1] +
+                             simd::load(in.nz + i) * in.facing[2];
+        const auto counts = (u * u + v * v + height * height <= in.squared_radius) &
+                            (simd::load(in.weight + i) > nothing) & (cosine > in.least_cosine);
+        for (int k = 0; k < simd::lane_count; ++k)
+        {
+            // Written over by the next one if it does not count: no branch to mispredict.
+            chosen[count] = i + k;
+            count -= counts[k];
+        }
+    }
+    return count;
+}
 
 /// Sums of w (1, x, y, z, xx, xy, xz, yy, yz, zz) about the centre.
 RECON_VECTOR_CLONES
@@ -165,6 +175,49 @@ void sum_quadric(const QuadricInput& in, double* sums)
 }
 
 } // namespace
+
+void Gathered::gather_facing(const Gathered& all, const Point& origin, const TangentFrame& frame, double radius,
+                             const Vector& normal, double least_cosine)
+{
+    Window window{all.x.data(),
+                  all.y.data(),
+                  all.z.data(),
+                  all.weight.data(),
+                  all.nx.data(),
+                  all.ny.data(),
+                  all.nz.data(),
+                  all.size,
+                  {},
+                  {},
+                  {},
+                  {},
+                  {},
+                  float(radius * radius),
+                  float(least_cosine)};
+    for (int k = 0; k < 3; ++k)
+    {
+        window.origin[k] = float(origin[k]);
+        window.t1[k] = float(frame.t1[k]);
+        window.t2[k] = float(frame.t2[k]);
+        window.up[k] = float(frame.normal[k]);
+        window.facing[k] = float(normal[k]);
+    }
+    chosen_.resize(std::size_t(simd::padded(all.size)) + 1);
+    size = choose_entries(window, chosen_.data());
+    const std::size_t padded = std::size_t(simd::padded(size));
+    for (auto* values : {&x, &y, &z, &weight})
+        values->resize(padded);
+    for (int i = 0; i < size; ++i)
+    {
+        const std::size_t from = std::size_t(chosen_[std::size_t(i)]);
+        x[i] = all.x[from];
+        y[i] = all.y[from];
+        z[i] = all.z[from];
+        weight[i] = all.weight[from];
+    }
+    for (std::size_t i = size; i < padded; ++i)
+        x[i] = y[i] = z[i] = weight[i] = 0;
+}
 
 WeightedPlane fit_plane(const Gathered& points, const Point& centre, double width, double cut)
 {

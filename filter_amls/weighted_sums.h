@@ -10,6 +10,14 @@
 namespace recon
 {
 
+/// Two vectors that complete the unit `normal` to a right-handed frame (t1 x t2 = normal): of unit length, or longer
+/// and shorter by the same factor (stretched_frame.h), so that distances told in the frame are stretched.
+struct TangentFrame
+{
+    explicit TangentFrame(const Vector& unit_normal);
+    Vector normal, t1, t2;
+};
+
 /// Points with weights, and where needed directions, copied side by side for the vector units. Entries beyond the last
 /// weigh nothing.
 struct Gathered
@@ -21,10 +29,13 @@ struct Gathered
     void gather(const Points& points, const std::vector<double>& weights, const std::vector<int>& indices,
                 const Point& origin);
     void gather_directions(const Vectors& directions, const std::vector<int>& indices);
-    /// Those of `all` that weigh something, lie within `radius` of `centre` and whose direction has more than
-    /// `least_cosine` with `normal`; without their directions.
-    void gather_facing(const Gathered& all, const Point& centre, double radius, const Vector& normal,
-                       double least_cosine);
+    /// Those of `all` that weigh something, lie within `radius` of `origin`, by the lengths of `frame`, and whose
+    /// direction has more than `least_cosine` with `normal`; without their directions.
+    void gather_facing(const Gathered& all, const Point& origin, const TangentFrame& frame, double radius,
+                       const Vector& normal, double least_cosine);
+
+private:
+    std::vector<int> chosen_;
 };
 
 /// Weighted mass, mean and smallest principal direction.
@@ -38,13 +49,6 @@ struct WeightedPlane
 
 /// Plane of the gathered points about `centre` with weights w exp(-d^2 / width^2), d <= cut width.
 WeightedPlane fit_plane(const Gathered& points, const Point& centre, double width, double cut);
-
-/// Two unit vectors that complete `normal` to a right-handed frame (t1 x t2 = normal).
-struct TangentFrame
-{
-    explicit TangentFrame(const Vector& unit_normal);
-    Vector normal, t1, t2;
-};
 
 /// Height z = c . (1, u, v, u^2, uv, v^2) over a tangent frame, with u and v in units of the width; z in length.
 struct QuadricFit

@@ -30,7 +30,6 @@ Patch make_patch(double bend, double thickness)
             const Point p(x, y, 0);
             TwoWidths two;
             two.position = p;
-            two.normal = Vector::UnitZ();
             two.wide.effective = effective;
             two.narrow.c[0] = between_fits * normal(random) + (x > 0.5 ? bend : 0);
             two.comparable = true;
@@ -88,7 +87,6 @@ TEST(BendCorrection, LeavesFitsAloneThatAreNarrowerThanTheNoiseIsThick)
     {
         TwoWidths two;
         two.position = Point(x, 0, 0);
-        two.normal = Vector::UnitZ();
         two.wide.effective = 4;
         two.narrow.c[0] = thick * normal(random) + (x > 0.5 ? 4 * thick : 0);
         two.comparable = true;

@@ -118,6 +118,29 @@ TEST(FitAnchors, FindPlaceNormalAndCurvatureOfASphere)
     }
 }
 
+// Ridges as narrow as the windows: round ones take in the slopes, or too little of the ridge.
+TEST(FitAnchors, WindowsFollowRidges)
+{
+    const double width = 3, noise = 0.1, turn = M_PI / 9, rise = 1.5;
+    const Vector along = Vector(0.8, 0.6, 0), across(-0.6, 0.8, 0);
+    const auto height = [&](const Point& p) { return rise * std::cos(turn * p.dot(across)); };
+    OrientedSamples ridges = sheet(0, Vector::UnitZ(), 8);
+    for (std::size_t i = 0; i < ridges.points.size(); ++i)
+    {
+        Point& p = ridges.points[i];
+        p.z() = height(p);
+        ridges.normals[i] = (Vector::UnitZ() + rise * turn * std::sin(turn * p.dot(across)) * across).normalized();
+    }
+    ridges.points = shapes::with_noise(ridges.points, noise, 9);
+    std::vector<FitStart> starts;
+    for (int i = -10; i <= 10; ++i)
+        starts.push_back({0.8 * i * along + rise * Vector::UnitZ(), Vector::UnitZ(), width, noise});
+    double sum = 0;
+    for (const Anchor& anchor : Cloud(ridges).fit(starts))
+        sum += anchor.position.z() - height(anchor.position);
+    EXPECT_LT(std::abs(sum / double(starts.size())), 0.018); // 0.028 with round windows
+}
+
 TEST(FitAnchors, ListenOnlyToSamplesThatFaceTheirWay)
 {
     // The other side of a plate half a width thick, and samples that weigh nothing.

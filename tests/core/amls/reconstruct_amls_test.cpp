@@ -130,7 +130,7 @@ TEST(ReconstructAmls, GroundsSeenFromOneSideGetABack)
 {
     for (const double wall : {2.5, 4.0})
     {
-        const shapes::Cup cup(wall, 32);
+        const shapes::Cup cup(wall, 28);
         const AmlsReconstruction mesh = reconstruct_amls(cup.seen_above(4));
         EXPECT_EQ(mesh.genus, 0) << wall;
         EXPECT_NEAR(checks::examine_mesh(mesh.mesh).volume / cup.volume, 1, 0.12) << wall; // 0.86 without

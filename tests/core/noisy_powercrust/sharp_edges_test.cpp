@@ -128,7 +128,7 @@ TEST(SharpEdges, WhatRunsBetweenTheRoundedAndTheSharpEdgeIsNotCut)
     }
     ASSERT_EQ(count_cuts(), before);
     EXPECT_GT(restore_sharp_edges(mesh, points), 100);
-    EXPECT_EQ(count_cuts(), before);
+    EXPECT_LE(count_cuts(), before);
 }
 
 TEST(SharpEdges, RoundBendsStayRound)
