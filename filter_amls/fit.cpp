@@ -28,8 +28,8 @@ constexpr double enough_points = 60;  // more effective points do not raise the 
 constexpr double doubtful_move = 0.5; // widths
 constexpr double run_radius = 0.7;    // widths
 constexpr int longest_run = 32;
-constexpr double stretch_in_vain = 1.05; // below it a window is as good as round
-constexpr double later_stretch = 1.2;    // of lengths: by how much later rounds may stretch otherwise
+constexpr double round_suffices = 1.25; // of a stretch: up to it the samples of the round window hold what counts
+constexpr double later_stretch = 1.2;   // of lengths: by how much later rounds may stretch otherwise
 
 QuadricFit in_units(QuadricFit fit, double ratio)
 {
@@ -74,7 +74,7 @@ public:
             const FitStart& start = starts_[a];
             const Beginning beginning = begin(start);
             const double stretch = beginning.fit.valid ? stretch_of(next_frame(beginning, start)) : 1;
-            if (stretch > stretch_in_vain)
+            if (stretch > round_suffices)
             {
                 stretched_.push_back({a, beginning});
                 longest = std::max(longest, stretch);
