@@ -131,14 +131,25 @@ TEST(FitAnchors, WindowsFollowRidges)
         p.z() = height(p);
         ridges.normals[i] = (Vector::UnitZ() + rise * turn * std::sin(turn * p.dot(across)) * across).normalized();
     }
-    ridges.points = shapes::with_noise(ridges.points, noise, 9);
     std::vector<FitStart> starts;
     for (int i = -10; i <= 10; ++i)
         starts.push_back({0.8 * i * along + rise * Vector::UnitZ(), Vector::UnitZ(), width, noise});
-    double sum = 0;
-    for (const Anchor& anchor : Cloud(ridges).fit(starts))
-        sum += anchor.position.z() - height(anchor.position);
-    EXPECT_LT(std::abs(sum / double(starts.size())), 0.018); // 0.028 with round windows
+    double bias = 0, squares = 0;
+    int count = 0;
+    for (std::uint64_t seed = 11; seed < 31; ++seed)
+    {
+        OrientedSamples noisy = ridges;
+        noisy.points = shapes::with_noise(ridges.points, noise, seed);
+        for (const Anchor& anchor : Cloud(noisy).fit(starts))
+        {
+            const double error = anchor.position.z() - height(anchor.position);
+            bias += error;
+            squares += error * error;
+            ++count;
+        }
+    }
+    EXPECT_LT(std::abs(bias / count), 0.015);      // 0.037 with round windows
+    EXPECT_LT(std::sqrt(squares / count), 0.0285); // 0.045; with the samples of round windows 0.030
 }
 
 TEST(FitAnchors, ListenOnlyToSamplesThatFaceTheirWay)
