@@ -150,12 +150,18 @@ def main():
                 before = rms(truth.distances(points[:count]))
                 row = [folder.name, name, str(len(points)), f"{before:.0f}", f"{ours:.0f}"]
                 times = [f"{seconds:.2f}"]
-                for peer, found in peers.items():
-                    best = min(found)
+                beside = []
+                for peer in ratios:
+                    if peer not in peers:
+                        for column in (row, beside, times):
+                            column.append("-")
+                        continue
+                    best = min(peers[peer])
                     ratios[peer].append(ours / best[0])
-                    row.append(" / ".join(f"{error:.0f}" for error, _ in found))
+                    row.append(" / ".join(f"{error:.0f}" for error, _ in peers[peer]))
+                    beside.append(f"{ratios[peer][-1]:.2f}")
                     times.append(f"{best[1]:.1f}")
-                row += [f"{ratios['apss'][-1]:.2f}", f"{ratios['rimls'][-1]:.2f}"] + times
+                row += beside + times
                 print("| " + " | ".join(row) + " |", flush=True)
     for peer, values in ratios.items():
         if values:
