@@ -73,7 +73,7 @@ public:
         {
             const FitStart& start = starts_[a];
             const Beginning beginning = begin(start);
-            const double stretch = beginning.fit.valid ? stretch_of(next_frame(beginning, start)) : 1;
+            const double stretch = stretch_of(beginning.next);
             if (stretch > round_suffices)
             {
                 stretched_.push_back({a, beginning});
@@ -88,8 +88,7 @@ public:
         for (const auto& [a, beginning] : stretched_)
         {
             const FitStart& start = starts_[a];
-            const TangentFrame frame = next_frame(beginning, start);
-            around_.gather_facing(around_run_, beginning.position + beginning.fit.c[0] * start.normal, frame,
+            around_.gather_facing(around_run_, beginning.position + beginning.fit.c[0] * start.normal, beginning.next,
                                   later_stretch * fit_cut * start.width, start.normal, least_cosine);
             anchors[a] = finish(start, beginning, fits[a]);
         }
@@ -102,6 +101,7 @@ private:
         Point position; ///< From the centre of the run.
         TangentFrame frame;
         QuadricFit fit;
+        TangentFrame next; ///< Of the next fit; unused if this one is not valid.
     };
 
     void gather(const Point& centre, double radius)
@@ -117,25 +117,20 @@ private:
         const TangentFrame frame(start.normal);
         const Point position = start.foot - origin_;
         around_.gather_facing(around_run_, position, frame, fit_cut * start.width, start.normal, least_cosine);
-        return {position, frame, fit_quadric(around_, position, frame, {start.width, fit_cut})};
+        const QuadricFit fit = fit_quadric(around_, position, frame, {start.width, fit_cut});
+        return {position, frame, fit, fit.valid ? next_frame(fit, frame, start) : frame};
     }
 
-    static Vector normal_of(const QuadricFit& fit, const TangentFrame& frame, double width)
+    static TangentFrame next_frame(const QuadricFit& fit, const TangentFrame& frame, const FitStart& start)
     {
-        return (frame.normal - fit.c[1] / width * frame.t1 - fit.c[2] / width * frame.t2).normalized();
-    }
-
-    TangentFrame next_frame(const Beginning& last, const FitStart& start) const
-    {
-        return stretch_along_bend(last.fit, last.frame, normal_of(last.fit, last.frame, start.width), start.width,
-                                  start.sigma);
+        return stretch_along_bend(fit, frame, normal_of(fit, frame, start.width), start.width, start.sigma);
     }
 
     /// With the samples gathered last.
     Anchor finish(const FitStart& start, const Beginning& beginning, TwoWidths& two)
     {
         const double width = start.width;
-        auto [position, frame, fit] = beginning;
+        auto [position, frame, fit, next] = beginning;
         Anchor anchor{start.foot, start.normal, {}, 0, width};
         const double plane_confidence = std::min(fit.effective, enough_points);
         if (!fit.valid)
@@ -148,7 +143,6 @@ private:
         const int rounds = robust_scale_ < picky_scale ? many_rounds : few_rounds;
         for (int round = 1;; ++round)
         {
-            const TangentFrame next = next_frame({position, frame, fit}, start);
             position += fit.c[0] * frame.normal;
             // The surface seen from the frame moved and turned to it: neither offset nor slope are left.
             const QuadricFit moved = with_bending_in(next, fit, frame);
@@ -162,7 +156,10 @@ private:
             }
             fit = again;
             if (round + 1 < rounds)
+            {
+                next = next_frame(fit, frame, start);
                 continue;
+            }
             two.narrow = fit_narrower(around_, position, frame, how, moved);
             two.wide = fit;
             two.comparable = two.narrow.valid && two.narrow.effective > least_points;
@@ -198,7 +195,7 @@ private:
 void place_anchor(Anchor& anchor, const Point& position, const TangentFrame& frame, const QuadricFit& fit, double width)
 {
     anchor.position = position + fit.c[0] * frame.normal;
-    anchor.normal = (frame.normal - fit.c[1] / width * frame.t1 - fit.c[2] / width * frame.t2).normalized();
+    anchor.normal = normal_of(fit, frame, width);
     const Eigen::Matrix3d q = bending_of(fit, frame, width);
     anchor.bending = {q(0, 0), q(1, 1), q(2, 2), q(0, 1), q(0, 2), q(1, 2)};
 }

@@ -47,8 +47,8 @@ constexpr double picky_scale = 1.8;
 
 /// Fits a quadric to the samples around each anchor, again and again, each time robustly about the one before
 /// and over windows that follow its bends (README.md, step 7), and corrects it where the surface bends. Where that
-/// fails, turns by more than 60 degrees or moves too far, the anchor stays the plane it began with. \param robust_scale
-/// how far residuals may be off before they lose weight [sigma], see choose_robust_scale().
+/// fails, turns by more than 60 degrees or moves too far, the anchor stays the plane it began with.
+/// \param robust_scale how far residuals may be off before they lose weight [sigma], see choose_robust_scale().
 std::vector<Anchor> fit_anchors(const FitSamples& samples, const std::vector<FitStart>& starts, double robust_scale,
                                 int threads, const Progress& progress = {});
 

@@ -125,7 +125,7 @@ public:
         if (fit.valid)
         {
             centre += fit.c[0] * normal;
-            normal = (normal - fit.c[1] / width * first.t1 - fit.c[2] / width * first.t2).normalized();
+            normal = normal_of(fit, first, width);
         }
         const TangentFrame frame(normal);
         sort_by_ring(centre, frame, widths);

@@ -51,8 +51,8 @@ struct Window
 {
     const float *x, *y, *z, *weight, *nx, *ny, *nz;
     int n;
-    float origin[3], t1[3], t2[3], up[3], facing[3];
     float squared_radius, least_cosine;
+    float origin[3], t1[3], t2[3], up[3], facing[3];
 };
 
 /// Writes which entries count; `chosen` holds as many as there may be. \returns how many.
@@ -179,21 +179,17 @@ void sum_quadric(const QuadricInput& in, double* sums)
 void Gathered::gather_facing(const Gathered& all, const Point& origin, const TangentFrame& frame, double radius,
                              const Vector& normal, double least_cosine)
 {
-    Window window{all.x.data(),
-                  all.y.data(),
-                  all.z.data(),
-                  all.weight.data(),
-                  all.nx.data(),
-                  all.ny.data(),
-                  all.nz.data(),
-                  all.size,
-                  {},
-                  {},
-                  {},
-                  {},
-                  {},
-                  float(radius * radius),
-                  float(least_cosine)};
+    Window window = {};
+    window.x = all.x.data();
+    window.y = all.y.data();
+    window.z = all.z.data();
+    window.weight = all.weight.data();
+    window.nx = all.nx.data();
+    window.ny = all.ny.data();
+    window.nz = all.nz.data();
+    window.n = all.size;
+    window.squared_radius = float(radius * radius);
+    window.least_cosine = float(least_cosine);
     for (int k = 0; k < 3; ++k)
     {
         window.origin[k] = float(origin[k]);
@@ -252,6 +248,11 @@ TangentFrame::TangentFrame(const Vector& unit_normal) : normal(unit_normal)
     const double sign = std::copysign(1.0, normal.z()), a = -1 / (sign + normal.z()), b = normal.x() * normal.y() * a;
     t1 = Vector(1 + sign * normal.x() * normal.x() * a, sign * b, -sign * normal.x());
     t2 = Vector(b, sign + normal.y() * normal.y() * a, -normal.y());
+}
+
+Vector normal_of(const QuadricFit& fit, const TangentFrame& frame, double width)
+{
+    return (frame.normal - fit.c[1] / width * frame.t1 - fit.c[2] / width * frame.t2).normalized();
 }
 
 QuadricFit fit_quadric(const Gathered& points, const Point& origin, const TangentFrame& frame,

@@ -59,6 +59,9 @@ struct QuadricFit
     bool valid = false;
 };
 
+/// Unit normal of the quadric over the frame's origin.
+Vector normal_of(const QuadricFit& fit, const TangentFrame& frame, double width);
+
 struct QuadricWeights
 {
     double width;                             ///< h of exp(-d^2 / h^2) [length].
