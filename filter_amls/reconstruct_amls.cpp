@@ -86,12 +86,22 @@ struct LabelledSamples
 void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double violated_as_exact,
                       const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
+    if (found.backs > 0)
+        return;
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
-    if (violated <= open_behind_with_normals || found.backs > 0)
-        return;
     const LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
-    if (lost.largest <= bearable_lost)
+    if (violated <= open_behind_with_normals || lost.largest <= bearable_lost)
+    {
+        if (std::optional<BackedSheets> backed =
+                label_with_backs(lost, found.samples, normals, found.labelled, labelling, times, progress))
+        {
+            found.samples = std::move(backed->samples);
+            found.labelled = std::move(backed->labelled);
+            found.backs = backed->backs;
+            found.lost_sheets = backed->share;
+        }
         return;
+    }
     Points samples = found.samples;
     Vectors all_normals = normals;
     const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
@@ -204,7 +214,7 @@ LabelledSamples label_points(const Points& points, const AmlsSurface& surface, b
         label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress.part(0.5, 1));
     times.begin("mismatch");
     // Backs of sheets are bare.
-    const bool is_better = projected.lost_sheets > 0
+    const bool is_better = has_lost_sheets && projected.lost_sheets > 0
                                ? projected.labelled.violated_votes <= clearly_backed * violated
                                : projected.labelled.violated_votes < violated &&
                                      measure_mismatch(projected, points, labelling.threads) < mismatch;

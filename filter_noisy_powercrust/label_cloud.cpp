@@ -193,8 +193,10 @@ public:
         LostSheets lost =
             find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
         const bool has_ground = lost.share <= bearable_lost && add_ground(found.cloud, lost);
-        if (lost.share <= bearable_lost || found.completed > 0)
+        if (found.completed > 0)
             return found;
+        if (lost.share <= bearable_lost)
+            return back_some_sheets(std::move(found), lost, progress);
         const double handles = measure_closed_topology(extract(found)).genus(),
                      violated = found.labelled.violated_votes;
         const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
@@ -229,6 +231,26 @@ public:
     }
 
 private:
+    /// The same where nothing else is wrong: a wall whose hollow no view closed.
+    LabelledCloud back_some_sheets(LabelledCloud found, const LostSheets& lost, const Progress& progress)
+    {
+        const bool has_room_for_two = found.cloud.samples.size() <= most_points_twice;
+        if (!found.cloud.denoised || found.opened || options_.denoise == Denoise::off || !has_room_for_two)
+            return found;
+        if (std::optional<BackedSheets> backed =
+                label_with_backs(lost, found.cloud.samples, found.cloud.normals, found.labelled,
+                                 options_for(found.cloud), times_, progress))
+        {
+            found.cloud.samples = std::move(backed->samples);
+            found.cloud.normals = std::move(backed->normals);
+            found.labelled = std::move(backed->labelled);
+            found.polygons.reset();
+            found.backs = backed->backs;
+            found.lost_sheets = backed->share;
+        }
+        return found;
+    }
+
     /// The ground of a scene is such a sheet, whatever the balls between its samples are called.
     static bool add_ground(const PreparedSamples& cloud, LostSheets& lost)
     {

@@ -296,6 +296,19 @@ Points spiky_ball(double width, std::uint64_t seed)
     return points;
 }
 
+FinnedBall finned_ball(std::uint64_t seed)
+{
+    FinnedBall result{sphere(20106, 40, seed), 228};
+    Random random(seed + 1);
+    for (int i = 0; i < result.fin; ++i)
+    {
+        const double x = 39 + 19 * uniform(random), z = 12 * uniform(random) - 6;
+        result.samples.points.emplace_back(x, 0, z);
+        result.samples.normals.emplace_back(0, 1, 0);
+    }
+    return result;
+}
+
 Points ball_on_a_ground(std::uint64_t seed)
 {
     Random random(seed);

@@ -54,6 +54,15 @@ recon::Points bored_plate(double thickness, double diameter, std::uint64_t seed)
 /// area.
 recon::Points spiky_ball(double width, std::uint64_t seed);
 
+/// A ball of radius 40 and, the last points, a fin of 18 x 12 that stands on it along x and of which one side was seen:
+/// random points, one a unit of area, outward normals.
+struct FinnedBall
+{
+    recon::OrientedSamples samples;
+    int fin = 0; ///< Samples on the fin, the last [count].
+};
+FinnedBall finned_ball(std::uint64_t seed);
+
 /// A ball of radius 12 that touches a square ground (z = 0) of side 100, not in its middle, seen from above: one sample
 /// a unit of area, jittered on the ground.
 recon::Points ball_on_a_ground(std::uint64_t seed);

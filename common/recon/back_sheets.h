@@ -2,7 +2,9 @@
 
 #include <recon/geometry.h>
 #include <recon/labelled_balls.h>
+#include <recon/progress.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +31,8 @@ inline constexpr double open_behind = 0.03, open_behind_with_normals = 0.005, cl
 std::string describe_lost(double share);
 std::string describe_backs(double share);
 
-/// \param samples those that `labelled` was made of. \param oriented whether they had normals.
+/// \param samples those that `labelled` was made of. \param oriented whether they had normals. \returns none where no
+/// sheet has `least_sheet` samples.
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads);
 
 /// Adds the ground of a scene, see find_ground(): there is no ball below it either. \returns whether there is one that
@@ -39,5 +42,22 @@ bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost)
 /// Puts samples some spacings behind lost sheets and what borders on them, so that there is a slab to be inside, but
 /// none where another sheet is near. \returns how many; they come last.
 int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads);
+
+/// Samples with backs behind some sheets, the last of them, and their labels.
+struct BackedSheets
+{
+    Points samples;
+    Vectors normals;
+    LabelledBalls labelled;
+    int backs;    ///< [count]
+    double share; ///< Of samples in the sheets [0..1].
+};
+
+/// Backs behind the lost sheets of a cloud that is whole otherwise, as a wall of a hollow that no view closed, if that
+/// leaves fewer violated votes and no sheet half as large lost; else none. \param samples with normals, those that
+/// `labelled` was made of. \param lost what find_lost_sheets() said. \throws Cancelled.
+std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Points& samples, const Vectors& normals,
+                                             const LabelledBalls& labelled, const BallLabellingOptions& options,
+                                             PhaseTimes& times, const Progress& progress = {});
 
 } // namespace recon

@@ -317,7 +317,9 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
             if (gain <= 0)
                 continue;
             const SetMeasures measures = measure_set(set, labels[set.front()], balls, scale, outwardness);
-            const double longest = find_longest_ring(measures, evidence.of(set, labels), options);
+            // A set may close several handles at once, of which each has its share.
+            const double against = evidence.of(set, labels) * 2 / gain;
+            const double longest = find_longest_ring(measures, against, options);
             if (!rings.closes_ring(set, labels, longest))
                 continue;
             for (const int ball : set)

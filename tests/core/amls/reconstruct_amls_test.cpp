@@ -4,6 +4,7 @@
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
+#include <recon/mismatch.h>
 
 #include <gtest/gtest.h>
 
@@ -137,6 +138,15 @@ TEST(ReconstructAmls, GroundsSeenFromOneSideGetABack)
         ASSERT_EQ(mesh.warnings.size(), 1u);
         EXPECT_NE(mesh.warnings[0].find("given a back"), std::string::npos);
     }
+}
+
+TEST(ReconstructAmls, AFinOfWhichOneSideWasSeenIsKept)
+{
+    const shapes::FinnedBall ball = shapes::finned_ball(5);
+    const AmlsReconstruction mesh = reconstruct_amls(shapes::with_noise(ball.samples.points, 0.2, 4));
+    EXPECT_EQ(mesh.genus, 0);
+    const Points fin(ball.samples.points.end() - ball.fin, ball.samples.points.end());
+    EXPECT_LT(measure_missed_points(fin, mesh.mesh), 0.05); // half of it and more without a back
 }
 
 TEST(ReconstructAmls, FinsHaveNoHandles)

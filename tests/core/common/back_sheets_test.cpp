@@ -1,6 +1,7 @@
 #include <recon/back_sheets.h>
 
 #include "tests/checks.h"
+#include "tests/shapes.h"
 
 #include <recon/crust_mesh.h>
 #include <recon/mismatch.h>
@@ -113,4 +114,43 @@ TEST(BackSheets, NoBackWhereAnotherSheetIs)
     lost.around.assign(scan.samples.size(), 0);
     std::fill_n(lost.around.begin(), front, 1.0);
     EXPECT_LT(back_sheets(lost, scan.samples, scan.normals, 1), int(front / 20));
+}
+
+TEST(BackSheets, AFinOfWhichOneSideWasSeenGetsABackAlone)
+{
+    const shapes::FinnedBall ball = shapes::finned_ball(3);
+    const UnitFrame frame(ball.samples.points);
+    const Scan scan{frame.to_unit(ball.samples.points), ball.samples.normals};
+    const LabelledBalls labelled = label(scan);
+    const LostSheets lost = find_lost_sheets(scan.samples, labelled, true, 1);
+    EXPECT_LT(lost.share, bearable_lost);
+    const double n = double(scan.samples.size());
+    EXPECT_NEAR(lost.largest * n, ball.fin, 0.3 * ball.fin);
+
+    PhaseTimes times;
+    const auto backed = label_with_backs(lost, scan.samples, scan.normals, labelled, {}, times);
+    ASSERT_TRUE(backed);
+    EXPECT_EQ(backed->samples.size(), scan.samples.size() + std::size_t(backed->backs));
+    EXPECT_NEAR(backed->backs, ball.fin, 0.2 * ball.fin);
+    const Points fin(scan.samples.end() - ball.fin, scan.samples.end());
+    const auto missed = [&](const LabelledBalls& balls)
+    { return measure_missed_points(fin, triangulate_polygons(list_crust_polygons(balls.regular, balls.labels))); };
+    EXPECT_GT(missed(labelled), 0.3);
+    EXPECT_LT(missed(backed->labelled), 0.05);
+    EXPECT_TRUE(find_lost_sheets(backed->samples, backed->labelled, true, 1).around.empty());
+}
+
+TEST(BackSheets, NoBackThatTheVotesObjectTo)
+{
+    const OrientedSamples sphere = shapes::sphere(5000, 0.45, 3);
+    const Scan scan{sphere.points, sphere.normals};
+    const LabelledBalls labelled = label(scan);
+    LostSheets lost = find_lost_sheets(scan.samples, labelled, true, 1);
+    EXPECT_TRUE(lost.around.empty());
+    PhaseTimes times;
+    EXPECT_FALSE(label_with_backs(lost, scan.samples, scan.normals, labelled, {}, times));
+    for (const Point& p : scan.samples)
+        lost.around.push_back(p.z() > 0.4);
+    lost.largest = 0.05;
+    EXPECT_FALSE(label_with_backs(lost, scan.samples, scan.normals, labelled, {}, times));
 }

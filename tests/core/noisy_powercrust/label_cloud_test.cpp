@@ -5,6 +5,8 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
+#include <recon/mismatch.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -200,6 +202,20 @@ TEST(NoisyPowerCrust, GroundsSeenFromOneSideGetABack)
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(cup.seen_above(4), noise, 3));
         EXPECT_EQ(crust.genus, 0) << noise;
         EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume / cup.volume, 1, 0.08) << noise; // 0.89 without
+        EXPECT_TRUE(says(crust, "given a back")) << noise;
+    }
+}
+
+TEST(NoisyPowerCrust, AFinOfWhichOneSideWasSeenIsKept)
+{
+    for (const double noise : {0.1, 0.2})
+    {
+        const shapes::FinnedBall ball = shapes::finned_ball(5);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(ball.samples.points, noise, 4));
+        EXPECT_EQ(crust.components, 1);
+        EXPECT_EQ(crust.genus, 0) << noise;
+        const Points fin(ball.samples.points.end() - ball.fin, ball.samples.points.end());
+        EXPECT_LT(measure_missed_points(fin, crust.mesh), 0.05) << noise; // half of it and more without a back
         EXPECT_TRUE(says(crust, "given a back")) << noise;
     }
 }
