@@ -18,6 +18,7 @@
 #include <recon/trim.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 
 namespace recon
@@ -81,6 +82,21 @@ struct LabelledSamples
     double lost_sheets = 0;        ///< Share of samples in such sheets, if they got a back and are no ground [0..1].
 };
 
+/// With samples behind sheets that have the outside on both sides and are lost in a cloud that is whole otherwise.
+void back_some_sheets(LabelledSamples& found, const LostSheets& lost, bool oriented,
+                      const std::function<Vectors(const Progress&)>& list_normals,
+                      const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    std::optional<BackedSheets> backed =
+        label_with_backs(lost, found.samples, oriented, list_normals, found.labelled, labelling, times, progress);
+    if (!backed)
+        return;
+    found.samples = std::move(backed->samples);
+    found.labelled = std::move(backed->labelled);
+    found.backs = backed->backs;
+    found.lost_sheets = backed->share;
+}
+
 /// With samples behind sheets that have the outside on both sides, where that is what the votes object to. \param
 /// violated_as_exact share of votes that labels of the points as they are violate, if these were found.
 void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double violated_as_exact,
@@ -91,17 +107,8 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double vio
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
     const LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
     if (violated <= open_behind_with_normals || lost.largest <= bearable_lost)
-    {
-        if (std::optional<BackedSheets> backed =
-                label_with_backs(lost, found.samples, normals, found.labelled, labelling, times, progress))
-        {
-            found.samples = std::move(backed->samples);
-            found.labelled = std::move(backed->labelled);
-            found.backs = backed->backs;
-            found.lost_sheets = backed->share;
-        }
-        return;
-    }
+        return back_some_sheets(
+            found, lost, true, [&](const Progress&) { return normals; }, labelling, times, progress);
     Points samples = found.samples;
     Vectors all_normals = normals;
     const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
@@ -178,7 +185,11 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     if (std::optional<LabelledBalls> better = label_thin_walls(distinct, cleanness.stacked, list_normals, labelling,
                                                                labelled, times, progress.part(0.5, 1, "thin walls")))
         labelled = std::move(*better);
-    return LabelledSamples{frame, std::move(distinct), std::move(labelled), isolated, true};
+    LabelledSamples found{frame, std::move(distinct), std::move(labelled), isolated, true};
+    const LostSheets lost = find_lost_sheets(found.samples, found.labelled, false, labelling.threads);
+    if (lost.largest <= bearable_lost)
+        back_some_sheets(found, lost, false, list_normals, labelling, times, progress.part(0.5, 1, "backs of sheets"));
+    return found;
 }
 
 /// How far the crust of the labels and the points part.

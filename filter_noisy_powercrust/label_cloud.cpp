@@ -112,14 +112,7 @@ public:
     {
         if (found.cloud.denoised || found.completed > 0 || points_.size() > most_points_twice)
             return found;
-        const auto list_normals = [&](const Progress& part)
-        {
-            times_.begin("AMLS");
-            const Points sorted = points_at(found.cloud.order, points_);
-            const AmlsSurface surface =
-                build_amls_surface(sorted, surface_options_for(options_), part.part(0, 0.6, "AMLS surface"));
-            return list_surface_normals(sorted, surface, options_.threads, part.part(0.6, 1, "normals"));
-        };
+        const auto list_normals = [&](const Progress& part) { return list_clean_normals(found.cloud, part); };
         if (std::optional<LabelledBalls> better =
                 label_thin_walls(found.cloud.samples, found.cloud.stacked, list_normals, options_for(found.cloud),
                                  found.labelled, times_, progress))
@@ -234,21 +227,34 @@ private:
     /// The same where nothing else is wrong: a wall whose hollow no view closed.
     LabelledCloud back_some_sheets(LabelledCloud found, const LostSheets& lost, const Progress& progress)
     {
-        const bool has_room_for_two = found.cloud.samples.size() <= most_points_twice;
-        if (!found.cloud.denoised || found.opened || options_.denoise == Denoise::off || !has_room_for_two)
+        PreparedSamples& cloud = found.cloud;
+        if (found.opened || options_.denoise == Denoise::off || cloud.samples.size() > most_points_twice)
             return found;
-        if (std::optional<BackedSheets> backed =
-                label_with_backs(lost, found.cloud.samples, found.cloud.normals, found.labelled,
-                                 options_for(found.cloud), times_, progress))
+        BallLabellingOptions labelling = options_for(cloud);
+        labelling.limit = limit_for(cloud);
+        const auto list_normals = [&](const Progress& part)
+        { return cloud.denoised ? cloud.normals : list_clean_normals(cloud, part); };
+        if (std::optional<BackedSheets> backed = label_with_backs(lost, cloud.samples, cloud.denoised, list_normals,
+                                                                  found.labelled, labelling, times_, progress))
         {
-            found.cloud.samples = std::move(backed->samples);
-            found.cloud.normals = std::move(backed->normals);
+            cloud.samples = std::move(backed->samples);
+            cloud.normals = std::move(backed->normals);
             found.labelled = std::move(backed->labelled);
             found.polygons.reset();
             found.backs = backed->backs;
             found.lost_sheets = backed->share;
         }
         return found;
+    }
+
+    /// Of a clean cloud's points, in its order, from its AMLS surface.
+    Vectors list_clean_normals(const PreparedSamples& cloud, const Progress& progress)
+    {
+        times_.begin("AMLS");
+        const Points sorted = points_at(cloud.order, points_);
+        const AmlsSurface surface =
+            build_amls_surface(sorted, surface_options_for(options_), progress.part(0, 0.6, "AMLS surface"));
+        return list_surface_normals(sorted, surface, options_.threads, progress.part(0.6, 1, "normals"));
     }
 
     /// The ground of a scene is such a sheet, whatever the balls between its samples are called.

@@ -16,9 +16,9 @@ namespace
 
 /// Samples looked at around each [count], itself included; of these the nearest hang together with it.
 constexpr int around = 31, touching = 9;
-/// Fewer samples without an inside that hang together are the rim of a scan, or noise: clouds of closed models have 0
-/// to 3, fins scanned from one side 23 and more [count].
-constexpr int least_sheet = 20;
+/// Fewer samples without an inside that hang together are noise or the rim of a scan: up to 3 in clouds of closed
+/// models, 24 at a rim, 23 to 119 in fins scanned from one side [count].
+constexpr int least_sheet = 30;
 /// Share of samples without an inside around one that makes it part of a lost sheet, and that has its back put up too.
 constexpr double lost_above = 0.5, backed_above = 0.1;
 /// Distance from a sheet to its back, and least distance of the back from all samples [spacings]. Slabs of two spacings
@@ -193,25 +193,28 @@ int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int t
     return added;
 }
 
-std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Points& samples, const Vectors& normals,
+std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Points& samples, bool oriented,
+                                             const std::function<Vectors(const Progress&)>& list_normals,
                                              const LabelledBalls& labelled, const BallLabellingOptions& options,
                                              PhaseTimes& times, const Progress& progress)
 {
     if (lost.around.empty())
         return {};
-    times.begin("backs of sheets");
     Points all = samples;
-    Vectors all_normals = normals;
-    const int backs = back_sheets(without_rims(lost, samples, options.threads), all, all_normals, options.threads);
-    LabelledBalls backed = label_polar_balls(all, all_normals, options, times, progress);
+    Vectors normals = list_normals(progress.part(0, 0.4, "normals"));
+    times.begin("backs of sheets");
+    const int backs = back_sheets(without_rims(lost, samples, options.threads), all, normals, options.threads);
+    if (!oriented)
+        normals.clear();
+    LabelledBalls backed = label_polar_balls(all, normals, options, times, progress.part(0.4, 1, "polar balls"));
     if (backed.violated_votes > backed_alone * labelled.violated_votes)
         return {};
     times.begin("backs of sheets");
-    const LostSheets left = find_lost_sheets(all, backed, true, options.threads);
+    const LostSheets left = find_lost_sheets(all, backed, oriented, options.threads);
     times.end();
     if (left.largest * double(all.size()) > found_again * lost.largest * double(samples.size()))
         return {};
-    return BackedSheets{std::move(all), std::move(all_normals), std::move(backed), backs, lost.share};
+    return BackedSheets{std::move(all), std::move(normals), std::move(backed), backs, lost.share};
 }
 
 } // namespace recon

@@ -4,6 +4,7 @@
 #include <recon/labelled_balls.h>
 #include <recon/progress.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,16 +48,18 @@ int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int t
 struct BackedSheets
 {
     Points samples;
-    Vectors normals;
+    Vectors normals; ///< Empty if the labels were made without.
     LabelledBalls labelled;
     int backs;    ///< [count]
     double share; ///< Of samples in the sheets [0..1].
 };
 
 /// Backs behind the lost sheets of a cloud that is whole otherwise, as a wall of a hollow that no view closed, if that
-/// leaves fewer violated votes and no sheet half as large lost; else none. \param samples with normals, those that
-/// `labelled` was made of. \param lost what find_lost_sheets() said. \throws Cancelled.
-std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Points& samples, const Vectors& normals,
+/// leaves fewer violated votes and no sheet half as large lost; else none. \param samples, oriented what `labelled` was
+/// made of, and whether with normals. \param list_normals outward normals of all samples, asked for if there are lost
+/// sheets. \param lost what find_lost_sheets() said. \throws Cancelled.
+std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Points& samples, bool oriented,
+                                             const std::function<Vectors(const Progress&)>& list_normals,
                                              const LabelledBalls& labelled, const BallLabellingOptions& options,
                                              PhaseTimes& times, const Progress& progress = {});
 

@@ -49,6 +49,11 @@ LabelledBalls label(const Scan& scan)
     return label_polar_balls(scan.samples, scan.normals, {}, times);
 }
 
+auto normals_of(const Scan& scan)
+{
+    return [&](const Progress&) { return scan.normals; };
+}
+
 } // namespace
 
 TEST(BackSheets, ASheetWithTheOutsideOnBothSidesIsLost)
@@ -128,7 +133,7 @@ TEST(BackSheets, AFinOfWhichOneSideWasSeenGetsABackAlone)
     EXPECT_NEAR(lost.largest * n, ball.fin, 0.3 * ball.fin);
 
     PhaseTimes times;
-    const auto backed = label_with_backs(lost, scan.samples, scan.normals, labelled, {}, times);
+    const auto backed = label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times);
     ASSERT_TRUE(backed);
     EXPECT_EQ(backed->samples.size(), scan.samples.size() + std::size_t(backed->backs));
     EXPECT_NEAR(backed->backs, ball.fin, 0.2 * ball.fin);
@@ -148,9 +153,9 @@ TEST(BackSheets, NoBackThatTheVotesObjectTo)
     LostSheets lost = find_lost_sheets(scan.samples, labelled, true, 1);
     EXPECT_TRUE(lost.around.empty());
     PhaseTimes times;
-    EXPECT_FALSE(label_with_backs(lost, scan.samples, scan.normals, labelled, {}, times));
+    EXPECT_FALSE(label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times));
     for (const Point& p : scan.samples)
         lost.around.push_back(p.z() > 0.4);
     lost.largest = 0.05;
-    EXPECT_FALSE(label_with_backs(lost, scan.samples, scan.normals, labelled, {}, times));
+    EXPECT_FALSE(label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times));
 }

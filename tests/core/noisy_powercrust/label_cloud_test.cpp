@@ -208,7 +208,7 @@ TEST(NoisyPowerCrust, GroundsSeenFromOneSideGetABack)
 
 TEST(NoisyPowerCrust, AFinOfWhichOneSideWasSeenIsKept)
 {
-    for (const double noise : {0.1, 0.2})
+    for (const double noise : {0.0, 0.1, 0.2})
     {
         const shapes::FinnedBall ball = shapes::finned_ball(5);
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(ball.samples.points, noise, 4));
