@@ -28,6 +28,9 @@ constexpr double thickness = 3, room = 1;
 /// backs may leave. Most votes that a scan violates lie elsewhere: .88 of them are left on the dragon's jaw, .1 to .3
 /// behind fins, 1.02 to 5 where a wall of thin parts was in doubt.
 constexpr double backed_alone = 0.97, found_again = 0.5;
+/// Share of the lost samples in the largest sheet below which they are all over an open scene, as roofs and walls seen
+/// from the air (0.24), whose backs have more handles than they spare.
+constexpr double scattered_below = 0.3;
 
 bool has_no_inside(const LabelledBalls& labelled, bool oriented, std::size_t sample)
 {
@@ -198,7 +201,7 @@ std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Point
                                              const LabelledBalls& labelled, const BallLabellingOptions& options,
                                              PhaseTimes& times, const Progress& progress)
 {
-    if (lost.around.empty())
+    if (lost.around.empty() || lost.largest < scattered_below * lost.share)
         return {};
     Points all = samples;
     Vectors normals = list_normals(progress.part(0, 0.4, "normals"));
