@@ -1,5 +1,7 @@
-// Writes the clouds of amls_peers.py: amls_clouds <model folder> <out folder> <seed> [grid | other]
-//   grid: grid B x sigma 0.1, 0.2, 0.4 %. other: one point per vertex, thinned, outliers, sharp models.
+// Writes the clouds of amls_peers.py: amls_clouds <model folder> <out folder> <seed> grid|even|other [model...]
+//   grid: grid B, or the models given, x sigma 0.1, 0.2, 0.4 %. even: of the same models 20,000 noisy samples anywhere
+//   on the surface, x sigma 0.3, 0.8 spacings. other: one point per vertex, thinned, outliers, sharp models.
+#include "area_sampler.h"
 #include "models.h"
 
 #include "tests/shapes.h"
@@ -7,6 +9,8 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <string>
+#include <vector>
 
 using namespace recon;
 
@@ -22,6 +26,16 @@ void save(const std::string& name, const std::string& model, const Points& point
 }
 
 using shapes::uniform;
+
+Points noisy_samples(const benchmarks::Model& model, double sigma, unsigned seed)
+{
+    constexpr int samples = 20000;
+    benchmarks::AreaSampler sampler(model.mesh, seed);
+    Points points;
+    for (int i = 0; i < samples; ++i)
+        points.push_back(sampler.draw());
+    return shapes::with_noise(points, sigma * std::sqrt(sampler.area() / samples), seed + 1);
+}
 
 /// Points kept with a probability that falls from 1 to 1/20 along the longest axis.
 Points thinned(const Points& points, unsigned seed)
@@ -46,19 +60,24 @@ int main(int argc, char** argv)
 {
     if (argc < 5)
     {
-        std::fprintf(stderr, "usage: %s <model folder> <out folder> <seed> grid|other\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <model folder> <out folder> <seed> grid|even|other [model...]\n", argv[0]);
         return 2;
     }
     model_folder = argv[1];
     out_folder = argv[2];
     const unsigned seed = unsigned(std::stoi(argv[3]));
-    if (std::string(argv[4]) == "grid")
+    const std::string kind = argv[4];
+    if (kind == "grid" || kind == "even")
     {
-        for (const std::string& name : benchmarks::grid_b)
+        for (const std::string& name : argc > 5 ? std::vector<std::string>(argv + 5, argv + argc) : benchmarks::grid_b)
         {
             const benchmarks::Model model = benchmarks::load_model(model_folder + "/" + name + ".ply");
-            for (const char* sigma : {"0.1", "0.2", "0.4"})
-                save(name + "_" + sigma, name, benchmarks::noisy_cloud(model, std::stod(sigma), seed));
+            if (kind == "grid")
+                for (const char* sigma : {"0.1", "0.2", "0.4"})
+                    save(name + "_" + sigma, name, benchmarks::noisy_cloud(model, std::stod(sigma), seed));
+            else
+                for (const char* sigma : {"0.3", "0.8"})
+                    save(name + "_even_" + sigma, name, noisy_samples(model, std::stod(sigma), seed));
         }
         return 0;
     }

@@ -1,6 +1,7 @@
 // Clouds of even samples on the triangles of models, whatever their vertices:
 // crust_even <samples> <seed> <model.ply>...
 // One Markdown row a cell: without noise, one noisy sample a spot, five noisy samples a spot. Noise in spacings.
+#include "area_sampler.h"
 #include "mesh_distance.h"
 #include "models.h"
 
@@ -8,8 +9,6 @@
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -24,34 +23,6 @@ using recon::Points;
 
 namespace
 {
-
-/// Points uniform in area.
-class AreaSampler
-{
-public:
-    AreaSampler(const recon::TriangleMesh& mesh, unsigned seed) : mesh_(mesh), random_(seed)
-    {
-        double sum = 0;
-        for (const auto& t : mesh.triangles)
-            sums_.push_back(sum += 0.5 * side(t, 1).cross(side(t, 2)).norm());
-    }
-    double area() const { return sums_.back(); }
-    Point draw()
-    {
-        const auto at = std::lower_bound(sums_.begin(), sums_.end() - 1, uniform() * area());
-        const auto& t = mesh_.triangles[std::size_t(at - sums_.begin())];
-        const double a = std::sqrt(uniform()), b = uniform();
-        return mesh_.vertices[t[0]] + a * (1 - b) * side(t, 1) + a * b * side(t, 2);
-    }
-
-private:
-    double uniform() { return shapes::uniform(random_); }
-    recon::Vector side(const std::array<int, 3>& t, int k) const { return mesh_.vertices[t[k]] - mesh_.vertices[t[0]]; }
-
-    const recon::TriangleMesh& mesh_;
-    shapes::Random random_;
-    std::vector<double> sums_;
-};
 
 /// Poisson disks: of random points those that keep 0.8 spacings from all that were kept.
 Points sample_evenly(AreaSampler& sampler, int samples, double spacing)
