@@ -1,7 +1,9 @@
 #include <recon/back_sheets.h>
 
+#include <recon/crust_mesh.h>
 #include <recon/disjoint_sets.h>
 #include <recon/level_sheet.h>
+#include <recon/mismatch.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
@@ -16,18 +18,20 @@ namespace
 
 /// Samples looked at around each [count], itself included; of these the nearest hang together with it.
 constexpr int around = 31, touching = 9;
-/// Fewer samples without an inside that hang together are noise or the rim of a scan: up to 3 in clouds of closed
-/// models, 24 at a rim, 23 to 119 in fins scanned from one side [count].
-constexpr int least_sheet = 30;
+/// Fewer samples without an inside that hang together are noise: up to 3 in clouds of closed models, 24 at the rim of a
+/// scan, 23 to 119 in fins scanned from one side [count].
+constexpr int least_sheet = 20;
 /// Share of samples without an inside around one that makes it part of a lost sheet, and that has its back put up too.
 constexpr double lost_above = 0.5, backed_above = 0.1;
 /// Distance from a sheet to its back, and least distance of the back from all samples [spacings]. Slabs of two spacings
 /// and more come out whole.
 constexpr double thickness = 3, room = 1;
-/// Where the cloud is whole otherwise: share of the violated votes, and of the samples of the largest lost sheet, that
-/// backs may leave. Most votes that a scan violates lie elsewhere: .88 of them are left on the dragon's jaw, .1 to .3
-/// behind fins, 1.02 to 5 where a wall of thin parts was in doubt.
-constexpr double backed_alone = 0.97, found_again = 0.5;
+/// Share of its samples that the crust misses where a lost sheet is gone or lace: .13 on the dragon's jaw, .67 to 1 of
+/// fins; 0 to .011 where thin parts have a face without samples, which the crust closes in its place.
+constexpr double gone_above = 0.05;
+/// Share of these, and of the violated votes, that backs may leave. Most votes that a scan violates lie elsewhere: .88
+/// of them are left on the dragon, .1 to .3 behind fins.
+constexpr double found_again = 0.5, fewer_violated = 0.97;
 /// Share of the lost samples in the largest sheet below which they are all over an open scene, as roofs and walls seen
 /// from the air (0.24), whose backs have more handles than they spare.
 constexpr double scattered_below = 0.3;
@@ -99,6 +103,18 @@ LostSheets without_rims(LostSheets lost, const Points& samples, int threads)
         if (!has_core[std::size_t(wide.find(i))])
             lost.around[i] = 0;
     return lost;
+}
+
+/// Share of the lost samples that the crust of the labels misses [0..1].
+double measure_missed(const LostSheets& lost, const Points& samples, const LabelledBalls& labelled, int threads)
+{
+    Points members;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        if (is_lost(lost.around[i]))
+            members.push_back(samples[i]);
+    const TriangleMesh crust =
+        triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
+    return measure_missed_points(members, crust, threads);
 }
 
 } // namespace
@@ -203,6 +219,10 @@ std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Point
 {
     if (lost.around.empty() || lost.largest < scattered_below * lost.share)
         return {};
+    times.begin("backs of sheets");
+    const double missed = measure_missed(lost, samples, labelled, options.threads);
+    if (missed <= gone_above)
+        return {};
     Points all = samples;
     Vectors normals = list_normals(progress.part(0, 0.4, "normals"));
     times.begin("backs of sheets");
@@ -210,12 +230,12 @@ std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Point
     if (!oriented)
         normals.clear();
     LabelledBalls backed = label_polar_balls(all, normals, options, times, progress.part(0.4, 1, "polar balls"));
-    if (backed.violated_votes > backed_alone * labelled.violated_votes)
+    if (backed.violated_votes > fewer_violated * labelled.violated_votes)
         return {};
     times.begin("backs of sheets");
-    const LostSheets left = find_lost_sheets(all, backed, oriented, options.threads);
+    const double left = measure_missed(lost, samples, backed, options.threads);
     times.end();
-    if (left.largest * double(all.size()) > found_again * lost.largest * double(samples.size()))
+    if (left > found_again * missed)
         return {};
     return BackedSheets{std::move(all), std::move(normals), std::move(backed), backs, lost.share};
 }

@@ -54,10 +54,11 @@ struct BackedSheets
     double share; ///< Of samples in the sheets [0..1].
 };
 
-/// Backs behind the lost sheets of a cloud that is whole otherwise, as a wall of a hollow that no view closed, if that
-/// leaves fewer violated votes and no sheet half as large lost; else none, and none in a scene full of them. \param
-/// samples, oriented what `labelled` was made of, and whether with normals. \param list_normals outward normals of all
-/// samples, asked for if there are lost sheets. \param lost what find_lost_sheets() said. \throws Cancelled.
+/// Backs behind the lost sheets of a cloud that is whole otherwise, as a wall of a hollow that no view closed, if the
+/// crust misses them, and with backs half as much at most, while fewer votes are violated; else none, and none in a
+/// scene full of them. \param samples, oriented what `labelled` was made of, and whether with normals. \param
+/// list_normals outward normals of all samples, asked for if there are lost sheets. \param lost what find_lost_sheets()
+/// said. \throws Cancelled.
 std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Points& samples, bool oriented,
                                              const std::function<Vectors(const Progress&)>& list_normals,
                                              const LabelledBalls& labelled, const BallLabellingOptions& options,
