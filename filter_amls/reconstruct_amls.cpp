@@ -106,15 +106,19 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double vio
         return;
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
     const LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
+    const auto back_some = [&]
+    {
+        const auto list_normals = [&](const Progress&) { return normals; };
+        back_some_sheets(found, lost, true, list_normals, labelling, times, progress);
+    };
     if (violated <= open_behind_with_normals || lost.largest <= bearable_lost)
-        return back_some_sheets(
-            found, lost, true, [&](const Progress&) { return normals; }, labelling, times, progress);
+        return back_some();
     Points samples = found.samples;
     Vectors all_normals = normals;
     const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
     LabelledBalls backed = label_polar_balls(samples, all_normals, labelling, times, progress);
     if (backed.violated_votes > clearly_backed * violated)
-        return;
+        return back_some();
     found.samples = std::move(samples);
     found.labelled = std::move(backed);
     found.backs = backs;

@@ -195,12 +195,14 @@ public:
         const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
         const double usual = found.cloud.denoised ? open_behind_with_normals : open_behind;
         const bool is_open_behind = lost.largest > bearable_lost && violated > usual;
-        if (!is_lace && violated <= flooded_above && !has_ground && !is_open_behind)
-            return found;
+        const bool is_whole_otherwise = !is_lace && violated <= flooded_above && !has_ground;
+        if (is_whole_otherwise && !is_open_behind)
+            return back_some_sheets(std::move(found), lost, progress);
         if (is_lace)
             found.lost_sheets = lost.share;
         if (options_.denoise == Denoise::off || points_.size() > most_points_twice)
             return found;
+        const LostSheets lost_before = lost;
         PreparedSamples backed = found.cloud;
         if (!backed.denoised)
         {
@@ -220,7 +222,9 @@ public:
         const bool votes_alone = has_ground || (!is_lace && violated > flooded_above);
         const bool is_better = (has_fewer_violated || (is_lace && !has_ground)) &&
                                (votes_alone || measure_closed_topology(extract(slabs)).genus() <= most_handles);
-        return is_better ? std::move(slabs) : std::move(found);
+        if (is_better)
+            return slabs;
+        return is_whole_otherwise ? back_some_sheets(std::move(found), lost_before, progress) : std::move(found);
     }
 
 private:

@@ -127,11 +127,15 @@ TEST(BackSheets, AFinOfWhichOneSideWasSeenGetsABackAlone)
     const UnitFrame frame(ball.samples.points);
     const Scan scan{frame.to_unit(ball.samples.points), ball.samples.normals};
     const LabelledBalls labelled = label(scan);
-    const LostSheets lost = find_lost_sheets(scan.samples, labelled, true, 1);
+    LostSheets lost = find_lost_sheets(scan.samples, labelled, true, 1);
     EXPECT_LT(lost.share, bearable_lost);
     const double n = double(scan.samples.size());
     EXPECT_NEAR(lost.largest * n, ball.fin, 0.3 * ball.fin);
 
+    // Samples without an inside here and there, as at rims of scans, get none.
+    for (std::size_t i = 0; i < scan.samples.size(); ++i)
+        if (scan.samples[i].x() < -0.2)
+            lost.around[i] = 0.3;
     PhaseTimes times;
     const auto backed = label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times);
     ASSERT_TRUE(backed);
@@ -143,6 +147,9 @@ TEST(BackSheets, AFinOfWhichOneSideWasSeenGetsABackAlone)
     EXPECT_GT(missed(labelled), 0.3);
     EXPECT_LT(missed(backed->labelled), 0.05);
     EXPECT_TRUE(find_lost_sheets(backed->samples, backed->labelled, true, 1).around.empty());
+
+    lost.share = 1; // all over the scene
+    EXPECT_FALSE(label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times));
 }
 
 TEST(BackSheets, NoBackThatTheVotesObjectTo)

@@ -220,6 +220,15 @@ TEST(NoisyPowerCrust, AFinOfWhichOneSideWasSeenIsKept)
     }
 }
 
+TEST(NoisyPowerCrust, AFinIsKeptThoughItsSlabHasAHandle)
+{
+    // More than 2 % of the samples: then backs stay only if they have no more handles, and these have one.
+    const shapes::FinnedBall ball = shapes::finned_ball(8);
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(ball.samples.points, 0.1, 4));
+    const Points fin(ball.samples.points.end() - ball.fin, ball.samples.points.end());
+    EXPECT_LT(measure_missed_points(fin, crust.mesh), 0.05); // 0.8 without
+}
+
 TEST(DescribeLostSheets, AdvisesWhatHasNotBeenTried)
 {
     const auto has = [](const std::string& text, const char* words) { return text.find(words) != std::string::npos; };
