@@ -165,9 +165,9 @@ LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled
     look_around(false);
     const std::vector<int> sizes = Sheets(result.around, lost_above, samples, search, threads).sizes();
     const int largest = *std::max_element(sizes.begin(), sizes.end());
-    if (largest < least_sheet)
-        return {};
     result.share = double(lost()) / double(n);
+    if (largest < least_sheet && result.share <= bearable_lost)
+        return {};
     result.largest = largest / double(n);
     return result;
 }
@@ -227,6 +227,8 @@ std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Point
     Vectors normals = list_normals(progress.part(0, 0.4, "normals"));
     times.begin("backs of sheets");
     const int backs = back_sheets(without_rims(lost, samples, options.threads), all, normals, options.threads);
+    if (backs == 0)
+        return {};
     if (!oriented)
         normals.clear();
     LabelledBalls backed = label_polar_balls(all, normals, options, times, progress.part(0.4, 1, "polar balls"));

@@ -32,8 +32,8 @@ inline constexpr double open_behind = 0.03, open_behind_with_normals = 0.005, cl
 std::string describe_lost(double share);
 std::string describe_backs(double share);
 
-/// \param samples those that `labelled` was made of. \param oriented whether they had normals. \returns none where no
-/// sheet has `least_sheet` samples.
+/// \param samples those that `labelled` was made of. \param oriented whether they had normals. \returns none where few
+/// samples have no inside, and hardly any of them hang together.
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads);
 
 /// Adds the ground of a scene, see find_ground(): there is no ball below it either. \returns whether there is one that

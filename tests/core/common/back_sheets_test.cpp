@@ -152,7 +152,7 @@ TEST(BackSheets, AFinOfWhichOneSideWasSeenGetsABackAlone)
     EXPECT_FALSE(label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times));
 }
 
-TEST(BackSheets, NoBackThatTheVotesObjectTo)
+TEST(BackSheets, NoBackWhereTheCrustMissesNothing)
 {
     const OrientedSamples sphere = shapes::sphere(5000, 0.45, 3);
     const Scan scan{sphere.points, sphere.normals};
