@@ -126,7 +126,7 @@ TEST(BackSheets, AFinOfWhichOneSideWasSeenGetsABackAlone)
     const shapes::FinnedBall ball = shapes::finned_ball(3);
     const UnitFrame frame(ball.samples.points);
     const Scan scan{frame.to_unit(ball.samples.points), ball.samples.normals};
-    const LabelledBalls labelled = label(scan);
+    LabelledBalls labelled = label(scan);
     LostSheets lost = find_lost_sheets(scan.samples, labelled, true, 1);
     EXPECT_LT(lost.share, bearable_lost);
     const double n = double(scan.samples.size());
@@ -148,6 +148,9 @@ TEST(BackSheets, AFinOfWhichOneSideWasSeenGetsABackAlone)
     EXPECT_LT(missed(backed->labelled), 0.05);
     EXPECT_TRUE(find_lost_sheets(backed->samples, backed->labelled, true, 1).around.empty());
 
+    labelled.violated_votes = 0; // fewer than with backs
+    EXPECT_FALSE(label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times));
+    labelled.violated_votes = 1;
     lost.share = 1; // all over the scene
     EXPECT_FALSE(label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times));
 }
@@ -164,5 +167,12 @@ TEST(BackSheets, NoBackWhereTheCrustMissesNothing)
     for (const Point& p : scan.samples)
         lost.around.push_back(p.z() > 0.4);
     lost.largest = 0.05;
-    EXPECT_FALSE(label_with_backs(lost, scan.samples, true, normals_of(scan), labelled, {}, times));
+    bool asks_normals = false;
+    const auto list_normals = [&](const Progress&)
+    {
+        asks_normals = true;
+        return scan.normals;
+    };
+    EXPECT_FALSE(label_with_backs(lost, scan.samples, true, list_normals, labelled, {}, times));
+    EXPECT_FALSE(asks_normals); // known before labels are found again
 }
