@@ -82,19 +82,22 @@ struct LabelledSamples
     double lost_sheets = 0;        ///< Share of samples in such sheets, if they got a back and are no ground [0..1].
 };
 
+void take(LabelledSamples& found, BackedSheets backed)
+{
+    found.samples = std::move(backed.samples);
+    found.labelled = std::move(backed.labelled);
+    found.backs = backed.backs;
+    found.lost_sheets = backed.share;
+}
+
 /// With samples behind sheets that have the outside on both sides and are lost in a cloud that is whole otherwise.
 void back_some_sheets(LabelledSamples& found, const LostSheets& lost, bool oriented,
                       const std::function<Vectors(const Progress&)>& list_normals,
                       const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
-    std::optional<BackedSheets> backed =
-        label_with_backs(lost, found.samples, oriented, list_normals, found.labelled, labelling, times, progress);
-    if (!backed)
-        return;
-    found.samples = std::move(backed->samples);
-    found.labelled = std::move(backed->labelled);
-    found.backs = backed->backs;
-    found.lost_sheets = backed->share;
+    if (std::optional<BackedSheets> backed =
+            label_with_backs(lost, found.samples, oriented, list_normals, found.labelled, labelling, times, progress))
+        take(found, std::move(*backed));
 }
 
 /// With samples behind sheets that have the outside on both sides, where that is what the votes object to. \param
@@ -119,10 +122,7 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double vio
     LabelledBalls backed = label_polar_balls(samples, all_normals, labelling, times, progress);
     if (backed.violated_votes > clearly_backed * violated)
         return back_some();
-    found.samples = std::move(samples);
-    found.labelled = std::move(backed);
-    found.backs = backs;
-    found.lost_sheets = lost.share;
+    take(found, {std::move(samples), std::move(all_normals), std::move(backed), backs, lost.share});
 }
 
 /// Samples of the surface, labelled with its normals. \param violated_as_exact see back_lost_sheets().

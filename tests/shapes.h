@@ -60,6 +60,8 @@ struct FinnedBall
 {
     recon::OrientedSamples samples;
     int fin = 0; ///< Samples on the fin, the last [count].
+
+    recon::Points fin_points() const { return {samples.points.end() - fin, samples.points.end()}; }
 };
 FinnedBall finned_ball(std::uint64_t seed);
 

@@ -31,7 +31,8 @@ struct ShortHandleOptions
 /// first, and leaves out what would close a ring: a set of balls whose turning removes the handle, across its narrowest
 /// place, however many balls that takes. Balls of the set that need not turn for that, and for which there is evidence,
 /// stay. The set is turned if the evidence for it (kept less violated weight of all edges that leave it), times the
-/// length of the ring that it closes, is small. Measured with normals: real holes 378 and more, what is left of noise
+/// length of the ring that it closes, is small; of a set that removes several handles each has its share of that
+/// evidence. Measured with normals: real holes 378 and more, what is left of noise
 /// mostly below 200; on clean coarse clouds real holes 50. Components are neither joined nor parted.
 /// \param scale per ball: local scale of the samples [length]. \param margins per ball, see measure_margins().
 /// \param outwardness of a ball, see measure_outwardness().

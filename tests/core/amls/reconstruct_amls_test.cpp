@@ -147,8 +147,8 @@ TEST(ReconstructAmls, AFinOfWhichOneSideWasSeenIsKept)
         const shapes::FinnedBall ball = shapes::finned_ball(5);
         const AmlsReconstruction mesh = reconstruct_amls(shapes::with_noise(ball.samples.points, noise, 4));
         EXPECT_EQ(mesh.genus, 0) << noise;
-        const Points fin(ball.samples.points.end() - ball.fin, ball.samples.points.end());
-        EXPECT_LT(measure_missed_points(fin, mesh.mesh), 0.05) << noise; // half of it and more without a back
+        EXPECT_LT(measure_missed_points(ball.fin_points(), mesh.mesh), 0.05)
+            << noise; // half of it and more without a back
     }
 }
 

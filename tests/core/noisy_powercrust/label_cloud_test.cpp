@@ -214,8 +214,8 @@ TEST(NoisyPowerCrust, AFinOfWhichOneSideWasSeenIsKept)
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(ball.samples.points, noise, 4));
         EXPECT_EQ(crust.components, 1);
         EXPECT_EQ(crust.genus, 0) << noise;
-        const Points fin(ball.samples.points.end() - ball.fin, ball.samples.points.end());
-        EXPECT_LT(measure_missed_points(fin, crust.mesh), 0.05) << noise; // half of it and more without a back
+        EXPECT_LT(measure_missed_points(ball.fin_points(), crust.mesh), 0.05)
+            << noise; // half of it and more without a back
         EXPECT_TRUE(says(crust, "given a back")) << noise;
     }
 }
@@ -225,8 +225,7 @@ TEST(NoisyPowerCrust, AFinIsKeptThoughItsSlabHasAHandle)
     // More than 2 % of the samples: then backs stay only if they have no more handles, and these have one.
     const shapes::FinnedBall ball = shapes::finned_ball(8);
     const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(ball.samples.points, 0.1, 4));
-    const Points fin(ball.samples.points.end() - ball.fin, ball.samples.points.end());
-    EXPECT_LT(measure_missed_points(fin, crust.mesh), 0.05); // 0.8 without
+    EXPECT_LT(measure_missed_points(ball.fin_points(), crust.mesh), 0.05); // 0.8 without
 }
 
 TEST(DescribeLostSheets, AdvisesWhatHasNotBeenTried)
