@@ -62,6 +62,52 @@ std::vector<double> list_cosines_of_object_angles(const LabelledBalls& labelled,
     return cosines;
 }
 
+/// A ball of the medial axis touches the surface: seen from a sample its centre lies along the normal, as the largest
+/// ball of the side does that this sample touches. Not so of a ball that rests on a ring of samples around a bump of
+/// noise. Mean cosine between the two directions below which it is one, unless the samples are of two faces, by the
+/// largest angle between their normals [degrees], and the cosine is not as low as the second one.
+constexpr double least_tangency = 0.8, two_faces = 50, least_of_two_faces = 0.6;
+/// Noise from which there are such balls, denoised or not [spacings]. With less the rule would only cost twigs that
+/// reach into edges.
+constexpr double noise_of_strays = 0.06;
+/// Radius of the largest of them [local scales]: 2.6; larger ones close holes of the scan.
+constexpr double largest_stray = 3;
+
+/// Whether a ball rests on noise rather than touches the surface.
+bool rests_on_noise(const LabelledBalls& labelled, const Points& samples, int b)
+{
+    const PolarBalls& kept = labelled.kept;
+    if (kept.balls[b].radius > largest_stray * labelled.scale[b])
+        return false;
+    std::vector<Vector> normals;
+    double sum = 0;
+    int others = 0;
+    for (const int v : kept.touched[b])
+    {
+        if (v >= int(samples.size()))
+            continue;
+        int largest = -1;
+        for (const int pole : kept.of_sample[v])
+            if (pole >= 0 && labelled.labels[pole] == labelled.labels[b] &&
+                (largest < 0 || kept.balls[pole].radius > kept.balls[largest].radius))
+                largest = pole;
+        if (largest < 0)
+            continue;
+        normals.push_back((kept.balls[largest].centre - samples[v]).normalized());
+        if (largest == b)
+            continue;
+        sum += normals.back().dot((kept.balls[b].centre - samples[v]).normalized());
+        ++others;
+    }
+    if (others == 0 || sum >= least_tangency * others)
+        return false;
+    double lowest = 1;
+    for (const Vector& first : normals)
+        for (const Vector& second : normals)
+            lowest = std::min(lowest, first.dot(second));
+    return lowest > std::cos(two_faces * pi / 180) || sum < least_of_two_faces * others;
+}
+
 /// Greedy cover: largest first, drops each ball that sticks out of one that is kept by less than `redundancy` radii.
 std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vector<int>& candidates, double redundancy)
 {
@@ -102,7 +148,9 @@ struct ChosenBalls
     std::vector<int> wanted, dropped;
 };
 
-ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, const PowerShapeOptions& options)
+/// \param is_noisy whether balls may rest on noise.
+ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, bool is_noisy,
+                         const PowerShapeOptions& options)
 {
     const std::vector<Ball>& balls = labelled.kept.balls;
     const std::vector<char> is_visible = mark_vertices(labelled.regular, int(balls.size()));
@@ -116,7 +164,8 @@ ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, c
         // Balls around the box have no sample of the shape's other side: they are no part of an outer medial axis.
         if (!is_visible[b] || !of_side || labelled.kept.is_outside[b])
             continue;
-        (cosines[b] <= highest_cosine ? chosen.wanted : chosen.dropped).push_back(b);
+        const bool is_wanted = cosines[b] <= highest_cosine && !(is_noisy && rests_on_noise(labelled, samples, b));
+        (is_wanted ? chosen.wanted : chosen.dropped).push_back(b);
     }
     if (options.redundancy > 0)
     {
@@ -275,6 +324,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     SamplePreparationOptions preparation;
     preparation.denoise = options.denoise;
     preparation.noise = options.noise;
+    preparation.finds_any_noise = true;
     preparation.threads = options.threads;
     BallLabellingOptions labelling;
     labelling.ball_threshold = options.ball_threshold;
@@ -292,7 +342,8 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
 
     times.begin("power shape");
     const std::vector<Ball>& balls = labelled.kept.balls;
-    const auto [wanted, dropped] = choose_balls(labelled, cloud.samples, options);
+    const auto [wanted, dropped] =
+        choose_balls(labelled, cloud.samples, shape.noise > noise_of_strays * shape.spacing, options);
     if (wanted.empty())
         throw AlgorithmFailure(
             "No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");

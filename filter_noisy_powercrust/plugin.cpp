@@ -104,8 +104,8 @@ plugin::ParameterTable<MedialAxisFilterOptions> medial_axis_table()
         .number("redundancy", &Options::redundancy, "Redundancy",
                 "Balls that a larger one covers up to this share of their radius (0..1) are dropped. 0: keep all.")
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
-                "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on where the "
-                "noise is not far below the spacing of the points.")
+                "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on from "
+                "noise of a hundredth of the points' spacing on.")
         .length("noise", &Options::noise, "Noise", "Standard deviation of the noise of the points. 0: estimated.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only", plugin::tooltips::selected_only)
         .count("threads", &Options::threads, "Threads", plugin::tooltips::threads);

@@ -67,7 +67,8 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     {
         result.is_doubtful = !cleanness.is_smooth_but_noisy() && cleanness.flat_neighbours < certainly_flat &&
                              cleanness.least_roughness > coarse_noise;
-        result.is_noisy = cleanness.is_smooth_but_noisy() || result.is_doubtful;
+        result.is_noisy = cleanness.is_smooth_but_noisy() || result.is_doubtful ||
+                          (options.finds_any_noise && cleanness.is_hardly_noisy());
     }
     result.noise = options.noise > 0 ? options.noise : cleanness.noise * result.frame.scale();
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);

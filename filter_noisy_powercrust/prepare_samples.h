@@ -23,9 +23,10 @@ enum class Denoise
 struct SamplePreparationOptions
 {
     Denoise denoise = Denoise::automatic;
-    double noise = 0;           ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
-    bool needs_surface = false; ///< Make the AMLS surface of a noisy cloud even if the samples are not projected.
-    int threads = 0;            ///< 0 = all cores.
+    double noise = 0;             ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
+    bool finds_any_noise = false; ///< Take a cloud for noisy from a hundredth of the spacing on, not from a twentieth.
+    bool needs_surface = false;   ///< Make the AMLS surface of a noisy cloud even if the samples are not projected.
+    int threads = 0;              ///< 0 = all cores.
 };
 
 /// Of the AMLS surface that a crust's samples or normals are taken from.

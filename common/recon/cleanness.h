@@ -37,7 +37,11 @@ struct Cleanness
     /// Whether a wider fit follows the samples nearly as well as a narrow one, so that averages gain more than they
     /// blur. Noise of more than 0.45 spacings leaves neither long cells nor flat neighbours; two near sheets are as
     /// rough.
-    bool is_smooth_but_noisy() const { return whiteness > 0.5 && roughness > 0.05 && roughness < 0.45; }
+    bool is_smooth_but_noisy() const { return whiteness > 0.5 && is_rough_from(0.05); }
+    /// The same of noise that a surface through the samples does not show, but its medial axis does. On boxes, whose
+    /// edges no quadric follows, residuals are less white: 0.41 to 0.5.
+    bool is_hardly_noisy() const { return whiteness > 0.4 && is_rough_from(0.003); }
+    bool is_rough_from(double least) const { return roughness > least && roughness < 0.45; }
     /// Whether some of it at least is noisy, the rest clean or less so: scans of several qualities merged. Coarse
     /// clouds look noisy in places, too, but nowhere smooth.
     bool is_noisy_in_parts() const { return noisy_places > 0.1 && (lower_roughness < 0.05 || whiteness > 0.5); }

@@ -1,15 +1,16 @@
 #include "filter_noisy_powercrust/medial_axis.h"
 
+#include "tests/medial_shapes.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
-#include <recon/neighbours.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
 
 using namespace recon;
 
@@ -18,34 +19,9 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-/// Poles, and centres of the edges and triangles between them.
-Points sample(const PowerShape& shape)
+shapes::MedialError measure_error(const shapes::MedialShape& shape, const PowerShape& found)
 {
-    Points samples = shape.centres;
-    const auto& at = shape.centres;
-    for (const auto& e : shape.edges)
-        samples.push_back((at[e[0]] + at[e[1]]) / 2);
-    for (const auto& t : shape.triangles)
-    {
-        samples.push_back((at[t[0]] + at[t[1]] + at[t[2]]) / 3);
-        for (int k = 0; k < 3; ++k)
-            samples.push_back((at[t[k]] + at[t[(k + 1) % 3]]) / 2);
-    }
-    return samples;
-}
-
-/// Larger of: farthest sample of the shape from the true axis, farthest sample of the true axis from the shape's.
-double hausdorff(const PowerShape& shape, const std::function<double(const Point&)>& distance_to_axis,
-                 const Points& on_axis)
-{
-    double worst = 0;
-    const Points samples = sample(shape);
-    for (const Point& p : samples)
-        worst = std::max(worst, distance_to_axis(p));
-    const NeighbourSearch search(samples);
-    for (const Point& p : on_axis)
-        worst = std::max(worst, (p - samples[search.nearest(p)]).norm());
-    return worst;
+    return shapes::measure_medial_error(shape, found.centres, found.edges, found.triangles);
 }
 
 void expect_sound(const PowerShape& shape)
@@ -68,94 +44,65 @@ void expect_sound(const PowerShape& shape)
 
 TEST(PowerShape, OfATorusIsItsCircle)
 {
-    const double major = 3, minor = 1;
-    const int n = 6000;
-    const double spacing = std::sqrt(4 * pi * pi * major * minor / n);
-    const Points clean = shapes::torus(n, major, minor, 1).points;
-    Points circle;
-    for (int k = 0; k < 500; ++k)
-        circle.emplace_back(major * std::cos(k * pi / 250), major * std::sin(k * pi / 250), 0);
-    const auto distance = [&](const Point& p) { return std::hypot(p.head<2>().norm() - major, p.z()); };
-    for (const double sigma : {0.0, 0.03})
+    const shapes::MedialShape torus = shapes::medial_torus(6000, 1);
+    for (const double noise : {0.0, 0.2})
     {
-        SCOPED_TRACE(sigma);
-        const PowerShape shape = compute_power_shape(sigma > 0 ? shapes::with_noisy_copies(clean, sigma, 4, 2) : clean);
+        SCOPED_TRACE(noise);
+        const PowerShape shape = compute_power_shape(torus.noisy(noise, true, 2));
         expect_sound(shape);
-        EXPECT_EQ(shape.denoised, sigma > 0);
-        EXPECT_LT(hausdorff(shape, distance, circle), 1.5 * spacing);
-        EXPECT_NEAR(shape.union_volume, 2 * pi * pi * major * minor * minor, 0.015 * shape.union_volume);
-        EXPECT_NEAR(shape.union_area, 4 * pi * pi * major * minor, 0.015 * shape.union_area);
-        EXPECT_NEAR(shape.largest_radius, minor, 0.1 * minor);
+        EXPECT_EQ(shape.denoised, noise > 0);
+        EXPECT_LT(measure_error(torus, shape).hausdorff(), 1.5);
+        EXPECT_NEAR(shape.union_volume, 6 * pi * pi, 0.015 * shape.union_volume);
+        EXPECT_NEAR(shape.union_area, 12 * pi * pi, 0.015 * shape.union_area);
+        EXPECT_NEAR(shape.largest_radius, 1, 0.1);
     }
 }
 
 TEST(PowerShape, OfACapsuleIsItsSegment)
 {
-    const double radius = 1, half_length = 2;
-    const int n = 5000;
-    const double spacing = std::sqrt(4 * pi * radius * (half_length + radius) / n);
-    for (const double sigma : {0.0, 0.02})
+    const shapes::MedialShape capsule = shapes::medial_capsule(5000, 2);
+    for (const double noise : {0.0, 0.25})
     {
-        Points points = shapes::capsule(n, radius, half_length, 2).points;
-        if (sigma > 0)
-            points = shapes::with_noisy_copies(points, sigma, 4, 3);
-        const PowerShape shape = compute_power_shape(points);
+        const PowerShape shape = compute_power_shape(capsule.noisy(noise, true, 3));
         expect_sound(shape);
-        Points segment;
-        for (int k = 0; k <= 200; ++k)
-            segment.emplace_back(0, 0, half_length * (k / 100.0 - 1));
-        const auto distance = [&](const Point& p)
-        { return (p - Point(0, 0, std::clamp(p.z(), -half_length, half_length))).norm(); };
-        EXPECT_LT(hausdorff(shape, distance, segment), 1.5 * spacing) << "sigma " << sigma;
-        EXPECT_EQ(shape.denoised, sigma > 0);
+        EXPECT_LT(measure_error(capsule, shape).hausdorff(), 1.5) << noise;
+        EXPECT_EQ(shape.denoised, noise > 0);
     }
 }
 
+// One point each: a crust needs no help there, but each bump would make a twig.
 TEST(PowerShape, DenoisesEvenALittleNoise)
 {
-    // One point each, noise a sixth of the spacing: a crust needs no help there, but each bump would make a twig.
-    const PowerShape shape = compute_power_shape(shapes::with_noise(shapes::torus(4000, 1, 0.4, 1).points, 0.01, 2));
-    EXPECT_TRUE(shape.denoised);
-    for (const Point& p : shape.centres)
-        EXPECT_LT(std::hypot(p.head<2>().norm() - 1, p.z()), 0.15);
+    for (const double noise : {0.01, 0.05, 0.16})
+        for (const shapes::MedialShape& solid :
+             {shapes::medial_torus(6000, 4), shapes::medial_capsule(5000, 4), shapes::medial_box(5000, 4)})
+        {
+            SCOPED_TRACE(solid.name + ' ' + std::to_string(noise));
+            const PowerShape shape = compute_power_shape(solid.noisy(noise, false, 9));
+            EXPECT_TRUE(shape.denoised);
+            EXPECT_LT(measure_error(solid, shape).strays, 1.5); // 4.7 to 11 raw
+            EXPECT_LT(measure_error(solid, shape).unreached, 2);
+        }
 }
 
 TEST(PowerShape, OfABoxReachesIntoItsCorners)
 {
-    const Vector sides(4, 3, 2);
-    const int n = 20000;
-    const double spacing = std::sqrt(52.0 / n);
-    const Points clean = shapes::box(n, sides, 4).points;
-    // A point is on the axis if two faces are equally near: its distances to the two nearest differ by nothing.
-    const auto off_axis = [&](const Point& p)
+    const shapes::MedialShape box = shapes::medial_box(20000, 4);
+    ASSERT_GT(box.on_axis.size(), 1000u);
+    for (const double noise : {0.0, 0.2})
     {
-        std::array<double, 6> d;
-        for (int k = 0; k < 3; ++k)
-        {
-            d[2 * k] = sides[k] / 2 - p[k];
-            d[2 * k + 1] = sides[k] / 2 + p[k];
-        }
-        std::sort(d.begin(), d.end());
-        return (d[1] - d[0]) / 2;
-    };
-    Points on_axis;
-    for (int i = 0; i <= 40; ++i)
-        for (int j = 0; j <= 40; ++j)
-            for (int k = 0; k <= 40; ++k)
-            {
-                const Point p = (Point(i, j, k) / 20 - Point::Ones()).cwiseProduct(sides / 2);
-                if (off_axis(p) < 1e-9 && (sides / 2 - p.cwiseAbs()).minCoeff() > 0)
-                    on_axis.push_back(p);
-            }
-    ASSERT_GT(on_axis.size(), 1000u);
-    for (const double sigma : {0.0, 0.01})
-    {
-        SCOPED_TRACE(sigma);
-        const PowerShape shape = compute_power_shape(sigma > 0 ? shapes::with_noisy_copies(clean, sigma, 4, 5) : clean);
+        SCOPED_TRACE(noise);
+        const PowerShape shape = compute_power_shape(box.noisy(noise, true, 5));
         expect_sound(shape);
-        EXPECT_LT(hausdorff(shape, off_axis, on_axis), 1.5 * spacing);
-        EXPECT_NEAR(shape.union_volume, 24, sigma > 0 ? 2 : 1.2) << "balls leave the corners out";
+        EXPECT_LT(measure_error(box, shape).hausdorff(), 1.5);
+        EXPECT_NEAR(shape.union_volume, 24, noise > 0 ? 2 : 1.2) << "balls leave the corners out";
     }
+}
+
+TEST(PowerShape, NoBallRestsOnNoise)
+{
+    const shapes::MedialShape box = shapes::medial_box(5000, 4);
+    EXPECT_LT(measure_error(box, compute_power_shape(box.noisy(0.3, true, 9))).strays, 1); // else 2.2
 }
 
 TEST(PowerShape, OfAnExactSphereIsItsCentre)
