@@ -34,17 +34,29 @@ void check(const PowerShapeOptions& options)
         throw InvalidInput("redundancy must lie between 0 (keep all) and 1.");
 }
 
-/// Cosine of the largest angle between a sample of `first` and one of `second`, seen from the ball's centre.
+/// Cosine of the largest angle between a direction of `first` and one of `second`; 1 if there are none.
+double find_lowest_cosine(const std::vector<Vector>& first, const std::vector<Vector>& second)
+{
+    double lowest = 1;
+    for (const Vector& a : first)
+        for (const Vector& b : second)
+            lowest = std::min(lowest, a.dot(b));
+    return lowest;
+}
+
+/// The same of samples, seen from the ball's centre.
 double cosine_of_largest_angle(const Ball& ball, const std::array<int, 4>& first, const std::array<int, 4>& second,
                                const Points& samples)
 {
-    double lowest = 1;
-    for (const int i : first)
-        for (const int j : second)
-            if (i < int(samples.size()) && j < int(samples.size()))
-                lowest = std::min(lowest,
-                                  (samples[i] - ball.centre).normalized().dot((samples[j] - ball.centre).normalized()));
-    return lowest;
+    const auto list_directions = [&](const std::array<int, 4>& touched)
+    {
+        std::vector<Vector> directions;
+        for (const int i : touched)
+            if (i < int(samples.size()))
+                directions.push_back((samples[i] - ball.centre).normalized());
+        return directions;
+    };
+    return find_lowest_cosine(list_directions(first), list_directions(second));
 }
 
 /// Per ball cosine of its object angle: the largest between two of the samples that it touches. Balls that coincide are
@@ -73,6 +85,17 @@ constexpr double noise_of_strays = 0.06;
 /// Radius of the largest of them [local scales]: 2.6; larger ones close holes of the scan.
 constexpr double largest_stray = 3;
 
+/// Of a sample's poles on that side, -1 if there is none.
+int find_largest_pole(const LabelledBalls& labelled, int sample, Side side)
+{
+    int largest = -1;
+    for (const int pole : labelled.kept.of_sample[sample])
+        if (pole >= 0 && labelled.labels[pole] == side &&
+            (largest < 0 || labelled.kept.balls[pole].radius > labelled.kept.balls[largest].radius))
+            largest = pole;
+    return largest;
+}
+
 /// Whether a ball rests on noise rather than touches the surface.
 bool rests_on_noise(const LabelledBalls& labelled, const Points& samples, int b)
 {
@@ -84,28 +107,18 @@ bool rests_on_noise(const LabelledBalls& labelled, const Points& samples, int b)
     int others = 0;
     for (const int v : kept.touched[b])
     {
-        if (v >= int(samples.size()))
+        const int pole = v < int(samples.size()) ? find_largest_pole(labelled, v, labelled.labels[b]) : -1;
+        if (pole < 0)
             continue;
-        int largest = -1;
-        for (const int pole : kept.of_sample[v])
-            if (pole >= 0 && labelled.labels[pole] == labelled.labels[b] &&
-                (largest < 0 || kept.balls[pole].radius > kept.balls[largest].radius))
-                largest = pole;
-        if (largest < 0)
-            continue;
-        normals.push_back((kept.balls[largest].centre - samples[v]).normalized());
-        if (largest == b)
+        normals.push_back((kept.balls[pole].centre - samples[v]).normalized());
+        if (pole == b)
             continue;
         sum += normals.back().dot((kept.balls[b].centre - samples[v]).normalized());
         ++others;
     }
     if (others == 0 || sum >= least_tangency * others)
         return false;
-    double lowest = 1;
-    for (const Vector& first : normals)
-        for (const Vector& second : normals)
-            lowest = std::min(lowest, first.dot(second));
-    return lowest > std::cos(two_faces * pi / 180) || sum < least_of_two_faces * others;
+    return find_lowest_cosine(normals, normals) > std::cos(two_faces * pi / 180) || sum < least_of_two_faces * others;
 }
 
 /// Greedy cover: largest first, drops each ball that sticks out of one that is kept by less than `redundancy` radii.

@@ -18,7 +18,7 @@ struct MedialShape
     recon::Points points; ///< Area-uniform random samples of its surface.
     double spacing;       ///< Root of the area per sample.
     std::function<double(const recon::Point&)> distance_to_axis;
-    recon::Points on_axis; ///< Points of the axis, less than a spacing apart.
+    recon::Points on_axis; ///< Points all over the axis.
 
     /// One sample a spot, or each sample and four copies; noise in spacings.
     recon::Points noisy(double noise, bool with_copies, std::uint64_t seed) const;

@@ -45,7 +45,7 @@ void expect_sound(const PowerShape& shape)
 TEST(PowerShape, OfATorusIsItsCircle)
 {
     const shapes::MedialShape torus = shapes::medial_torus(6000, 1);
-    for (const double noise : {0.0, 0.2})
+    for (const double noise : {0.0, 0.22})
     {
         SCOPED_TRACE(noise);
         const PowerShape shape = compute_power_shape(torus.noisy(noise, true, 2));
@@ -83,6 +83,10 @@ TEST(PowerShape, DenoisesEvenALittleNoise)
             EXPECT_LT(measure_error(solid, shape).strays, 1.5); // 4.7 to 11 raw
             EXPECT_LT(measure_error(solid, shape).unreached, 2);
         }
+    const PowerShape fat = compute_power_shape(shapes::with_noise(shapes::torus(4000, 1, 0.4, 1).points, 0.01, 2));
+    EXPECT_TRUE(fat.denoised);
+    for (const Point& p : fat.centres)
+        EXPECT_LT(std::hypot(p.head<2>().norm() - 1, p.z()), 0.15);
 }
 
 TEST(PowerShape, OfABoxReachesIntoItsCorners)
