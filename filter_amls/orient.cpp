@@ -4,6 +4,7 @@
 #include "label_balls.h"
 
 #include <recon/block_search.h>
+#include <recon/level_sheet.h>
 #include <recon/parallel.h>
 
 #include <Eigen/Geometry>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 namespace recon
 {
@@ -27,6 +29,9 @@ constexpr double own_weight = 6;
 constexpr double off_sheet = 0.85; // spacings over the tangent plane: neighbours beyond may be of another sheet
 constexpr double gap_spacings = 8; // an edge this long spans a gap
 constexpr double open_share = 0.3; // of the area: single views have .38 to .67, closed models and busts up to .18
+/// Over a ground: weight of what ties the balls on it, and those between the cloud and the box, to the outside.
+constexpr float on_ground = 2;
+constexpr double towards_box = 1000;
 
 /// The balls of a Delaunay triangulation and their ties.
 struct Balls
@@ -91,8 +96,30 @@ bool is_outermost(const Triangulation& t, int cell)
     return std::any_of(neighbours.begin(), neighbours.end(), [&](int o) { return !t.is_finite(o); });
 }
 
-/// Between balls by cell, the outermost ones as the outside, which is the number of finite cells.
-std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals)
+/// What is known of the sides of an open cloud that has a ground.
+struct GroundSides
+{
+    std::vector<std::int8_t> above; ///< Per point: whether its normal points up (1) or down (-1); 0 off the ground.
+    const std::vector<double>& spacing;
+
+    /// How much a facet between two balls counts. Of things that were seen from above only the sides are bare, and the
+    /// few large balls there would let the surface leave them for a tent down to the rim of the ground; so what is bare
+    /// counts by its area in samples, to the power of 2/3: by all of it, sides would be more than the top of a table.
+    double weigh(const Triangulation& t, const Points& points, int cell, int facet) const
+    {
+        const auto& v = t.cells[cell].vertices;
+        const int a = v[(facet + 1) % 4], b = v[(facet + 2) % 4], c = v[(facet + 3) % 4];
+        if (std::max({a, b, c}) >= int(points.size()))
+            return towards_box;
+        const double side = (spacing[a] + spacing[b] + spacing[c]) / 3;
+        const double area = 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).norm() / (side * side);
+        return std::max(1.0, std::cbrt(area * area));
+    }
+};
+
+/// Between balls by cell, the outermost ones as the outside, which is the number of finite cells. \param ground may be
+/// null.
+std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals, const GroundSides* ground)
 {
     const Triangulation& t = balls.delaunay;
     const int outside = t.finite_cells;
@@ -106,18 +133,27 @@ std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vecto
             ties.push_back({a, b, float(weight), opposite});
     };
     for (int c = 0; c < t.finite_cells; ++c)
-        for (int o : t.cells[c].neighbours)
+        for (int i = 0; i < 4; ++i)
         {
+            const int o = t.cells[c].neighbours[i];
             if (t.is_finite(o) && o > c)
             {
                 const double cosine =
                     intersection_cosine(balls.radius[c], balls.radius[o], (t.centres[c] - t.centres[o]).squaredNorm());
-                tie(c, o, cosine * std::min(balls.big[c], balls.big[o]), false);
+                const double size = ground ? ground->weigh(t, points, c, i) : 1;
+                tie(c, o, size * cosine * std::min(balls.big[c], balls.big[o]), false);
             }
         }
     for (std::size_t v = 0; v < points.size(); ++v)
     {
         const int a = balls.outer[v], b = balls.inner[v];
+        if (ground && ground->above[v] != 0)
+        {
+            // Below it there is no ball to be inside.
+            if (const int above = ground->above[v] > 0 ? a : b; above >= 0)
+                tie(above, outside, on_ground, false);
+            continue;
+        }
         if (a < 0 || b < 0)
             continue;
         const double weight =
@@ -235,6 +271,50 @@ double measure_gaps(const Triangulation& t, const Points& points, const std::vec
     return total > 0 ? gaps / total : 0;
 }
 
+BallLabels label(const Balls& balls, const std::vector<Tie>& ties, int threads)
+{
+    const Triangulation& t = balls.delaunay;
+    BallLabels labels = label_balls(t.finite_cells, ties, threads);
+    for (int c = 0; c < t.finite_cells; ++c)
+        if (is_outermost(t, c))
+            labels.side[c] = 1;
+    return labels;
+}
+
+/// Per point: how far its balls agree that its normal points outward (> 0) or inward [-2..2].
+std::vector<double> ask_balls(const Balls& balls, const Points& points, const Vectors& normals,
+                              const std::vector<std::int8_t>& side)
+{
+    std::vector<double> vote(points.size(), 0);
+    const auto trust = [&](std::size_t v, int cell)
+    { return cell < 0 ? 0 : side[cell] * balls.big[cell] * pole_cosine(balls, points, normals, int(v), cell); };
+    for (std::size_t v = 0; v < points.size(); ++v)
+        vote[v] = trust(v, balls.outer[v]) - trust(v, balls.inner[v]);
+    return vote;
+}
+
+Vectors turn_by(const std::vector<double>& vote, Vectors normals)
+{
+    for (std::size_t v = 0; v < normals.size(); ++v)
+        if (vote[v] < 0)
+            normals[v] = -normals[v];
+    return normals;
+}
+
+/// Turns all over where they enclose a negative volume.
+void turn_outward(const Points& points, const std::vector<double>& spacing, Vectors& normals)
+{
+    double volume = 0;
+    Vector mean = Vector::Zero();
+    for (const Point& p : points)
+        mean += p / double(points.size());
+    for (std::size_t v = 0; v < points.size(); ++v)
+        volume += spacing[v] * spacing[v] * normals[v].dot(points[v] - mean);
+    if (volume < 0)
+        for (Vector& normal : normals)
+            normal = -normal;
+}
+
 } // namespace
 
 Orientation orient_normals(const Points& points, const Vectors& normals, const std::vector<double>& spacing,
@@ -243,45 +323,34 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     const int n = int(points.size());
     const Balls balls = make_balls(points, normals, spacing, threads, progress.part(0, 0.6, "Delaunay triangulation"));
     const Triangulation& t = balls.delaunay;
-    const std::vector<Tie> ties = list_ties(balls, points, normals);
     progress.part(0.6, 0.9, "Orientation").report(0);
-    BallLabels labels = label_balls(t.finite_cells, ties, threads);
-    for (int c = 0; c < t.finite_cells; ++c)
-        if (is_outermost(t, c))
-            labels.side[c] = 1;
+    BallLabels labels = label(balls, list_ties(balls, points, normals, nullptr), threads);
     progress.part(0.9, 1, "Orientation").report(0);
 
     Orientation result;
     result.contradicted = labels.contradicted;
-    std::vector<double> vote(n, 0);
-    for (int v = 0; v < n; ++v)
-    {
-        const int out = balls.outer[v], in = balls.inner[v];
-        double trust_out = 0, trust_in = 0;
-        if (out >= 0)
-            trust_out = labels.side[out] * balls.big[out] * pole_cosine(balls, points, normals, v, out);
-        if (in >= 0)
-            trust_in = labels.side[in] * balls.big[in] * pole_cosine(balls, points, normals, v, in);
-        vote[v] = trust_out - trust_in;
-    }
+    std::vector<double> vote = ask_balls(balls, points, normals, labels.side);
+    result.normals = turn_by(vote, normals);
     result.open = measure_gaps(t, points, spacing, labels.side) > open_share;
-
-    result.normals = normals;
-    for (int v = 0; v < n; ++v)
-        if (vote[v] < 0)
-            result.normals[v] = -normals[v];
+    const std::optional<Ground> ground =
+        result.open ? find_ground(points, times_area(result.normals, spacing)) : std::nullopt;
+    if (ground)
+    {
+        const Vector up = ground->faces_things ? ground->normal : -ground->normal;
+        GroundSides sides{std::vector<std::int8_t>(n, 0), spacing};
+        for (const int v : ground->members)
+            sides.above[v] = normals[v].dot(up) < 0 ? -1 : 1;
+        labels = label(balls, list_ties(balls, points, normals, &sides), threads);
+        result.contradicted = labels.contradicted;
+        vote = ask_balls(balls, points, normals, labels.side);
+        for (const int v : ground->members)
+            vote[v] = sides.above[v];
+        result.normals = turn_by(vote, normals);
+    }
     settle_votes(t, points, vote, spacing, threads, result.normals);
 
-    double volume = 0;
-    Vector mean = Vector::Zero();
-    for (const Point& p : points)
-        mean += p / n;
-    for (int v = 0; v < n; ++v)
-        volume += spacing[v] * spacing[v] * result.normals[v].dot(points[v] - mean);
-    if (volume < 0)
-        for (Vector& normal : result.normals)
-            normal = -normal;
-
+    if (!ground)
+        turn_outward(points, spacing, result.normals);
     result.poles = select_poles(t, points, normals, spacing, balls.outer, balls.inner);
     return result;
 }

@@ -100,29 +100,29 @@ void back_some_sheets(LabelledSamples& found, const LostSheets& lost, bool orien
         take(found, std::move(*backed));
 }
 
-/// With samples behind sheets that have the outside on both sides, where that is what the votes object to. \param
-/// violated_as_exact share of votes that labels of the points as they are violate, if these were found.
-void back_lost_sheets(LabelledSamples& found, const Vectors& normals, double violated_as_exact,
+/// With samples behind sheets that have the outside on both sides, where that is what the votes object to, or in a
+/// scene with a ground. \param violated_as_exact share of votes that labels of the points as they are violate, if these
+/// were found.
+void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_open, double violated_as_exact,
                       const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
-    if (found.backs > 0)
-        return;
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
-    const LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
+    LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
+    const bool has_ground = is_open && add_ground(found.samples, normals, lost);
     const auto back_some = [&]
     {
         const auto list_normals = [&](const Progress&) { return normals; };
         back_some_sheets(found, lost, true, list_normals, labelling, times, progress);
     };
-    if (violated <= open_behind_with_normals || lost.largest <= bearable_lost)
+    if (!has_ground && (violated <= open_behind_with_normals || lost.largest <= bearable_lost))
         return back_some();
     Points samples = found.samples;
     Vectors all_normals = normals;
     const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
     LabelledBalls backed = label_polar_balls(samples, all_normals, labelling, times, progress);
-    if (backed.violated_votes > clearly_backed * violated)
+    if (!has_ground && backed.violated_votes > clearly_backed * violated)
         return back_some();
-    take(found, {std::move(samples), std::move(all_normals), std::move(backed), backs, lost.share});
+    take(found, {std::move(samples), std::move(all_normals), std::move(backed), backs, has_ground ? 0 : lost.share});
 }
 
 /// Samples of the surface, labelled with its normals. \param violated_as_exact see back_lost_sheets().
@@ -139,15 +139,13 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     // Not that of all points: one at the origin of a far coordinate system leaves the others a millionth of it.
     const UnitFrame frame(sampled.outliers > 0 ? sampled.samples.points : points);
     Points samples = frame.to_unit(sampled.samples.points);
-    Vectors& normals = sampled.samples.normals;
-    LostSheets ground;
-    const bool has_ground = surface.report().open && add_ground(samples, normals, ground);
-    const int backs = has_ground ? back_sheets(ground, samples, normals, labelling.threads) : 0;
+    const Vectors& normals = sampled.samples.normals;
     LabelledBalls labelled =
         label_polar_balls(samples, normals, labelling, times, progress.part(0.2, 0.6, "polar balls"));
-    LabelledSamples found{
-        frame, std::move(samples), std::move(labelled), sampled.outliers, false, std::move(sampled.claimed), backs};
-    back_lost_sheets(found, normals, violated_as_exact, labelling, times, progress.part(0.6, 1, "backs of sheets"));
+    LabelledSamples found{frame, std::move(samples),        std::move(labelled), sampled.outliers,
+                          false, std::move(sampled.claimed)};
+    back_lost_sheets(found, normals, surface.report().open, violated_as_exact, labelling, times,
+                     progress.part(0.6, 1, "backs of sheets"));
     return found;
 }
 

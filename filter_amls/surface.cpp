@@ -120,21 +120,6 @@ void orient_by_given(const Cells& cells, const Vectors& given, Vectors& normals)
             normals[c] = -normals[c];
 }
 
-void turn_ground_up(const Points& points, const std::vector<double>& spacing, bool level_ones, Vectors& normals)
-{
-    Vectors by_area = normals;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        by_area[i] *= spacing[i] * spacing[i];
-    const auto turns_its_back = [&]
-    {
-        const std::optional<Ground> ground = find_ground(points, by_area);
-        return ground && !ground->faces_things;
-    };
-    if (level_ones ? is_upside_down(points, by_area) : turns_its_back())
-        for (Vector& normal : normals)
-            normal = -normal;
-}
-
 /// Sides of the landmarks, from which all cells take theirs, or from given normals.
 Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Vectors& given_normals,
                    bool terrain_faces_up, int threads, const Progress& progress)
@@ -148,8 +133,10 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         landmark_normals.push_back(normals.normals[c]);
     }
     Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads, progress);
-    if (orientation.open)
-        turn_ground_up(landmarks, choice.landmark_spacing, terrain_faces_up, orientation.normals);
+    if (orientation.open && terrain_faces_up &&
+        is_upside_down(landmarks, times_area(orientation.normals, choice.landmark_spacing)))
+        for (Vector& normal : orientation.normals)
+            normal = -normal;
     if (given_normals.empty())
         orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     else

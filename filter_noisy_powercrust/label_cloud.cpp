@@ -185,7 +185,7 @@ public:
         // Where lids were opened the poles were sought along normals that have been turned since.
         LostSheets lost =
             find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
-        const bool has_ground = lost.share <= bearable_lost && add_ground(found.cloud, lost);
+        const bool has_ground = add_ground(found.cloud, lost);
         if (found.completed > 0)
             return found;
         if (lost.share <= bearable_lost)

@@ -1,5 +1,7 @@
 #include "checks.h"
 
+#include <recon/neighbours.h>
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -153,6 +155,26 @@ SceneReport examine_ball_on_a_ground(const recon::TriangleMesh& mesh)
             report.ball += std::max(0.0, area.dot((centre - middle).normalized())) / (4 * pi * radius * radius);
     }
     return report;
+}
+
+double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples& samples, double reach)
+{
+    recon::Vectors facing(mesh.vertices.size(), recon::Vector::Zero());
+    for (const auto& t : mesh.triangles)
+    {
+        const recon::Point& a = mesh.vertices[t[0]];
+        const recon::Vector area = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+        for (const int v : t)
+            facing[v] += area;
+    }
+    const recon::NeighbourSearch search(mesh.vertices);
+    int faced = 0;
+    for (std::size_t i = 0; i < samples.points.size(); ++i)
+    {
+        const int v = search.nearest(samples.points[i]);
+        faced += (mesh.vertices[v] - samples.points[i]).norm() < reach && facing[v].dot(samples.normals[i]) > 0;
+    }
+    return double(faced) / double(samples.points.size());
 }
 
 } // namespace checks

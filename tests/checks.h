@@ -41,4 +41,7 @@ struct SceneReport
 };
 SceneReport examine_ball_on_a_ground(const recon::TriangleMesh& mesh);
 
+/// Share of samples that have a vertex of the mesh within `reach` and face as the mesh does at the nearest one.
+double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples& samples, double reach);
+
 } // namespace checks

@@ -322,6 +322,21 @@ Points ball_on_a_ground(std::uint64_t seed)
     return points;
 }
 
+OrientedSamples table_over_a_floor(std::uint64_t seed)
+{
+    Random random(seed);
+    const auto jitter = [&] { return 0.6 * (uniform(random) - 0.5); };
+    OrientedSamples scene;
+    for (int i = -50; i <= 50; ++i)
+        for (int j = -50; j <= 50; ++j)
+        {
+            const bool is_table = std::abs(i - 5) <= 18 && std::abs(j) <= 14;
+            scene.points.emplace_back(i + jitter(), j + jitter(), is_table ? 20 : 0);
+            scene.normals.push_back(Vector::UnitZ());
+        }
+    return scene;
+}
+
 double rms(const Points& points, const std::function<double(const Point&)>& distance)
 {
     double squares = 0;

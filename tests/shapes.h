@@ -69,6 +69,10 @@ FinnedBall finned_ball(std::uint64_t seed);
 /// a unit of area, jittered on the ground.
 recon::Points ball_on_a_ground(std::uint64_t seed);
 
+/// A square floor (z = 0) of side 100 and, 20 above it, a table's top of 36 x 28, seen from straight above: one sample
+/// a unit of area, jittered, none in the table's shadow; all face up.
+recon::OrientedSamples table_over_a_floor(std::uint64_t seed);
+
 /// Floor and wall of a cup of radius 1 along z, whose rim at `height` goes up and down by `wave` three times around.
 recon::Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed);
 

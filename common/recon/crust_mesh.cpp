@@ -246,7 +246,11 @@ std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& kee
 
 DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double spacing)
 {
-    constexpr double smallest_body = 0.01, fewest_samples = 0.02, smallest_share_of_triangles = 0.05, full = 1.5;
+    constexpr double smallest_body = 0.01, fewest_samples = 0.02, smallest_share_of_triangles = 0.05;
+    // Least volume over area [spacings]: of any body, and of one sampled as densely as all, with that many triangles: a
+    // board of which both sides were seen. Outliers make bodies of 0.5, nine times sparser; shells have up to 0.3.
+    constexpr double full = 1.5, thin = 0.4, as_dense = 2;
+    constexpr std::size_t fewest_triangles = 100;
     DroppedBodies dropped;
     const MeshComponents components = find_components(mesh);
     if (kept == KeepComponents::all || components.count < 2)
@@ -268,7 +272,10 @@ DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double sp
     {
         // Two triangles a sample, or more where the crust was not simplified.
         const double own_spacing = std::sqrt(2 * area[component] / double(triangles[component]));
-        return std::abs(volume[component]) >= full * std::max(spacing, own_spacing) * area[component];
+        const bool may_be_thin =
+            volume[component] > 0 && triangles[component] >= fewest_triangles && own_spacing <= as_dense * spacing;
+        return std::abs(volume[component]) >=
+               (may_be_thin ? thin : full) * std::max(spacing, own_spacing) * area[component];
     };
     const auto is_kept = [&](int component)
     {

@@ -45,9 +45,9 @@ enum class KeepComponents
     largest,  ///< Only the one that encloses the largest volume.
     all,      ///< Stray shells too.
     automatic ///< The largest, those that hold a twentieth of the triangles of the one that has most, or more, and
-              ///< those that are full: volume / area of 1.5 spacings, as of a ball of 250 samples. Shells around
-              ///< outliers and what labels get wrong at thin walls are neither (up to 0.041 and 0.97 in trials; parts
-              ///< of real scenes have 0.11, a ball of 4,000 samples in a room 0.0499 and 2.9). Hollows count as bodies.
+              ///< those that are full: volume / area of 1.5 spacings, as of a ball of 250 samples, or 0.4 if they hold
+              ///< 100 triangles as densely as the rest, as a board of which both sides were seen. Hollows count as
+              ///< bodies, but must be full.
 };
 
 /// Bodies that were left out and enclose a hundredth of the volume of the largest, or more, or hold a fiftieth of the

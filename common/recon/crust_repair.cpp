@@ -64,13 +64,14 @@ bool are_connected_without(int excluded, const std::vector<int>& seeds, const Tr
 } // namespace
 
 int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<int>& weight,
-                   double share, std::vector<Side>& labels, int threads)
+                   const std::vector<char>& is_large, double share, std::vector<Side>& labels, int threads)
 {
+    constexpr int least_body = 30; // noise makes islands of up to 14 with a large ball
     const int n = int(labels.size());
     const std::vector<char> is_visible = mark_vertices(regular, n);
     DisjointSets components = join_neighbours(regular, labels.size(), threads, [&](int v) { return int(labels[v]); });
     std::vector<int> visible(std::size_t(n), 0), size(std::size_t(n), 0);
-    std::vector<char> has_root(std::size_t(n), 0);
+    std::vector<char> has_root(std::size_t(n), 0), has_large(std::size_t(n), 0);
     int most_visible = 0, largest = 0;
     for (int i = 0; i < n; ++i)
         if (is_visible[i])
@@ -79,6 +80,7 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
             ++visible[component];
             size[component] += weight[i];
             has_root[component] |= is_root[i];
+            has_large[component] |= is_large[i];
             if (labels[i] == Side::inner)
             {
                 most_visible = std::max(most_visible, visible[component]);
@@ -86,7 +88,11 @@ int absorb_islands(const Triangulation& regular, const std::vector<char>& is_roo
             }
         }
     const auto is_island = [&](int component)
-    { return !has_root[component] && visible[component] < share * most_visible && size[component] < share * largest; };
+    {
+        const bool is_body = has_large[component] && size[component] >= least_body;
+        return !has_root[component] && !is_body && visible[component] < share * most_visible &&
+               size[component] < share * largest;
+    };
     std::vector<int> turned;
     for (int i = 0; i < n; ++i)
         if (is_visible[i] && is_island(components.find(i)))

@@ -15,11 +15,12 @@ constexpr double small_below = 2;
 constexpr double doubtful_below = 0.6;
 
 /// Turns over inner islands and outer voids that hold fewer balls than `share` of the largest inner component, with
-/// those that coincide and without. Hidden balls and the root are left alone. \param weight per ball how many it counts
-/// for with those that coincide with it: a coarse ball beside a fine one is none of either. `threads` >= 1 here and
-/// below. \returns the number of balls turned.
+/// those that coincide and without, unless they are bodies or hollows: hold 30 balls or more, a large one among them.
+/// Hidden balls and the root are left alone. \param weight per ball how many it counts for with those that coincide
+/// with it: a coarse ball beside a fine one is none of either. \param is_large whether a ball is larger than noise
+/// makes them. `threads` >= 1 here and below. \returns the number of balls turned.
 int absorb_islands(const Triangulation& regular, const std::vector<char>& is_root, const std::vector<int>& weight,
-                   double share, std::vector<Side>& labels, int threads = 1);
+                   const std::vector<char>& is_large, double share, std::vector<Side>& labels, int threads = 1);
 
 /// Takes out of `doubtful` the inner balls without which a large part of the inside, of at least `share` times the
 /// balls of the largest, would come off: those of a chain to it, the weakest of which has the highest margin.

@@ -26,7 +26,7 @@ namespace
 /// Weight, in samples, of what leaves no doubt.
 constexpr double certain = 1e3;
 
-/// Parts of the inside with fewer balls, in shares of the largest part, are noise.
+/// Parts of the inside with fewer balls, in shares of the largest part, are noise, unless they are bodies.
 constexpr double island_share = 0.02;
 
 /// Up to this share of violated votes shared balls gave the labels that all balls give. Where more are, walls are thin
@@ -323,11 +323,12 @@ void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, con
     // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls
     // are doubtful. Which short handles stay both decide.
     const std::vector<double> margins = measure_margins(graph, balls.labels);
-    std::vector<char> is_small(balls.labels.size());
+    std::vector<char> is_small(balls.labels.size()), is_large(balls.labels.size());
     std::vector<int> doubtful;
     for (int i = 0; i < graph.nodes; ++i)
     {
         is_small[i] = balls.kept.balls[i].radius < small_below * balls.scale[i];
+        is_large[i] = balls.kept.balls[i].radius > balls.scale[i];
         if (is_small[i] && margins[i] < doubtful_below && !balls.kept.is_outside[i])
             doubtful.push_back(i);
     }
@@ -339,8 +340,8 @@ void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, con
     for (const auto& [hidden, visible] : balls.twins)
         weight[visible] += std::exchange(weight[hidden], 0);
     // The second round sees what the first joined.
-    for (int round = 0;
-         round < 2 && absorb_islands(balls.regular, graph.is_root, weight, island_share, balls.labels, threads) > 0;
+    for (int round = 0; round < 2 && absorb_islands(balls.regular, graph.is_root, weight, is_large, island_share,
+                                                    balls.labels, threads) > 0;
          ++round)
         continue;
     cut_handles(balls.regular, graph.is_root, is_small, margins, balls.labels, threads);

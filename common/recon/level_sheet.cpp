@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 namespace recon
@@ -22,6 +23,9 @@ constexpr double least_ground = 0.25, agreeing = 0.8;
 constexpr double least_things = 0.01, one_sided = 0.75;
 /// Share of the things that stand nearer than this share of the way to the rim.
 constexpr double within_rim = 0.9, inner = 0.9;
+/// Of a floor: least |z| of its normal, share of all else that is on one side of it, and share of it that no ceiling
+/// faces.
+constexpr double level = 0.95, all_above = 0.9, open_above = 0.5;
 
 /// A plane that may be the ground.
 struct Plane
@@ -63,12 +67,13 @@ Plane refit(const Points& points, const Vectors& normals, const Plane& plane, do
     return find_members(points, normals, centre, solver.eigenvectors().col(0), half);
 }
 
-Plane find_largest_plane(const Points& points, const Vectors& normals, double half)
+/// \param least_rise of the normals of the points that are tried [0..1].
+Plane find_largest_plane(const Points& points, const Vectors& normals, double half, double least_rise = 0)
 {
     const std::size_t step = points.size() / most_trials + 1;
     Plane best;
     for (std::size_t i = 0; i < points.size(); i += step)
-        if (!normals[i].isZero())
+        if (!normals[i].isZero() && std::abs(normals[i].z()) >= least_rise * normals[i].norm())
         {
             Plane plane = find_members(points, normals, points[i], normals[i].normalized(), half);
             if (plane.area > best.area)
@@ -112,32 +117,81 @@ private:
     std::array<double, sectors> radii_{};
 };
 
+/// Area of what stands out of a plane, on the side of its normal and on the other.
+struct Sides
+{
+    double before = 0, behind = 0;
+};
+
+/// Only of points that are accepted.
+template <class Accepts>
+Sides measure_sides(const Points& points, const Vectors& normals, const Ground& plane, double half,
+                    const Accepts& accepts)
+{
+    Sides area;
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        const double height = plane.normal.dot(points[i] - plane.origin);
+        if (std::abs(height) > half && accepts(points[i]))
+            (height < 0 ? area.behind : area.before) += normals[i].norm();
+    }
+    return area;
+}
+
+Sides measure_sides(const Points& points, const Vectors& normals, const Ground& plane, double half)
+{
+    return measure_sides(points, normals, plane, half, [](const Point&) { return true; });
+}
+
+Vector sum_of(const Vectors& vectors)
+{
+    return std::accumulate(vectors.begin(), vectors.end(), Vector(Vector::Zero()));
+}
+
+double sum_of_lengths(const Vectors& vectors)
+{
+    return std::accumulate(vectors.begin(), vectors.end(), 0.0,
+                           [](double sum, const Vector& v) { return sum + v.norm(); });
+}
+
+/// Whether the floor of a room or street without a ceiling, seen from within, turns its back to what stands on it: a
+/// level plane that faces down though all else is above. Of a closed surface all area cancels.
+bool has_floor_that_faces_down(const Points& points, const Vectors& normals)
+{
+    const double half = half_thickness * bounding_box(points).diagonal();
+    const Plane floor = find_largest_plane(points, normals, half, level);
+    if (floor.area < least_ground * sum_of_lengths(normals) || floor.ground.normal.z() > -level ||
+        sum_of(normals).z() > -open_above * floor.area)
+        return false;
+    const Sides area = measure_sides(points, normals, floor.ground, half);
+    return area.behind > all_above * (area.before + area.behind);
+}
+
 } // namespace
+
+Vectors times_area(Vectors normals, const std::vector<double>& spacing)
+{
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        normals[i] *= spacing[i] * spacing[i];
+    return normals;
+}
 
 std::optional<Ground> find_ground(const Points& points, const Vectors& normals)
 {
-    double all = 0;
-    for (const Vector& normal : normals)
-        all += normal.norm();
+    const double all = sum_of_lengths(normals);
     const double half = half_thickness * bounding_box(points).diagonal();
     Plane plane = find_largest_plane(points, normals, half);
     if (!(plane.area > 0) || plane.area < least_ground * all)
         return {};
     Ground& ground = plane.ground;
     const Rim rim(points, ground);
-    double area[2] = {0, 0}, within[2] = {0, 0}; // before, behind
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-        const double height = ground.normal.dot(points[i] - ground.origin);
-        if (std::abs(height) <= half)
-            continue;
-        area[height < 0] += normals[i].norm();
-        within[height < 0] += rim.has_within(points[i]) ? normals[i].norm() : 0;
-    }
-    ground.faces_things = area[0] > area[1];
-    const int side = ground.faces_things ? 0 : 1;
-    if (area[side] < std::max(least_things * all, one_sided * (area[0] + area[1])) ||
-        within[side] < within_rim * area[side])
+    const Sides area = measure_sides(points, normals, ground, half);
+    const Sides within =
+        measure_sides(points, normals, ground, half, [&](const Point& p) { return rim.has_within(p); });
+    ground.faces_things = area.before > area.behind;
+    const double things = ground.faces_things ? area.before : area.behind;
+    if (things < std::max(least_things * all, one_sided * (area.before + area.behind)) ||
+        (ground.faces_things ? within.before : within.behind) < within_rim * things)
         return {};
     return std::move(ground);
 }
@@ -151,15 +205,9 @@ bool is_upside_down(const Points& points, const Vectors& normals)
     if (extent.z() > most_height * std::min(extent.x(), extent.y()))
     {
         const std::optional<Ground> ground = find_ground(points, normals);
-        return ground && !ground->faces_things;
+        return ground ? !ground->faces_things : has_floor_that_faces_down(points, normals);
     }
-    double rise = 0, area = 0;
-    for (const Vector& n : normals)
-    {
-        rise += n.z();
-        area += n.norm();
-    }
-    return rise < -least_rise * area;
+    return sum_of(normals).z() < -least_rise * sum_of_lengths(normals);
 }
 
 } // namespace recon

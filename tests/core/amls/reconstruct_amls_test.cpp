@@ -336,6 +336,15 @@ TEST(ReconstructAmls, AShallowDomeOfExactPointsKeepsThem)
     EXPECT_LT(off, int(cap.size() / 50));
 }
 
+TEST(ReconstructAmls, ATableOverAFloorFacesUpAndIsKept)
+{
+    const OrientedSamples scene = shapes::table_over_a_floor(4);
+    AmlsReconstructionOptions options;
+    options.open_holes = true;
+    const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(scene.points, 0.2, 5), options);
+    EXPECT_GT(checks::share_faced(result.mesh, scene, 3), 0.97);
+}
+
 TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
     const Points level = shapes::with_noise(shapes::ball_on_a_ground(4), 0.2, 5);

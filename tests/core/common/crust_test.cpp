@@ -384,14 +384,24 @@ TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)
     const auto index = [&](int x, int y, int z) { return (x * (steps + 1) + y) * (steps + 1) + z; };
 
     std::vector<int> weight(balls.size(), 1);
+    std::vector<char> is_large(balls.size(), 0);
     labels[index(7, 7, 7)] = Side::outer;  // a void
     labels[index(1, 1, 13)] = Side::inner; // an island
-    EXPECT_EQ(absorb_islands(regular, is_root, weight, 0.02, labels), 2);
+    EXPECT_EQ(absorb_islands(regular, is_root, weight, is_large, 0.02, labels), 2);
     EXPECT_EQ(labels, truth);
     weight[index(7, 7, 7)] = 1000; // a void whose balls coincide
     labels[index(7, 7, 7)] = Side::outer;
-    EXPECT_EQ(absorb_islands(regular, is_root, weight, 0.02, labels), 0);
+    EXPECT_EQ(absorb_islands(regular, is_root, weight, is_large, 0.02, labels), 0);
     labels = truth;
+    // A body of few balls, one of them large; small ones alone are noise.
+    weight[index(1, 1, 13)] = 30;
+    for (const bool has_large : {true, false})
+    {
+        is_large[index(1, 1, 13)] = has_large;
+        labels[index(1, 1, 13)] = Side::inner;
+        EXPECT_EQ(absorb_islands(regular, is_root, weight, is_large, 0.1, labels), has_large ? 0 : 1);
+    }
+    EXPECT_EQ(labels, truth);
 
     // A tunnel of outer balls through the middle makes a torus; all but one of them are certain, so that one is cut.
     std::vector<double> margins(balls.size(), 1);

@@ -70,7 +70,44 @@ Sheet open_can(double height)
     return sheet;
 }
 
+/// Floor and walls of a room of 2 x 2 x height, seen from within, with or without a ceiling.
+Sheet room(double height, bool has_ceiling)
+{
+    Sheet sheet;
+    for (double x = -0.99; x < 1; x += 0.02)
+    {
+        for (double y = -0.99; y < 1; y += 0.02)
+        {
+            sheet.append(Point(x, y, 0), Vector::UnitZ());
+            if (has_ceiling)
+                sheet.append(Point(x, y, height), -Vector::UnitZ());
+        }
+        for (double z = 0.01; z < height; z += 0.02)
+            for (const double side : {-1.0, 1.0})
+            {
+                sheet.append(Point(side, x, z), -side * Vector::UnitX());
+                sheet.append(Point(x, side, z), -side * Vector::UnitY());
+            }
+    }
+    return sheet;
+}
+
 } // namespace
+
+TEST(IsUpsideDown, TheFloorOfARoomWithoutACeilingFacesUp)
+{
+    for (const double height : {0.6, 1.0})
+    {
+        Sheet open = room(height, false), closed = room(height, true);
+        for (const bool is_turned : {false, true})
+        {
+            EXPECT_EQ(is_upside_down(open.points, open.normals), is_turned) << height;
+            EXPECT_FALSE(is_upside_down(closed.points, closed.normals)) << height;
+            open.turn();
+            closed.turn();
+        }
+    }
+}
 
 TEST(FindGround, ATableFacesWhatStandsOnIt)
 {

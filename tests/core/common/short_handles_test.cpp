@@ -197,7 +197,8 @@ TEST(ShortHandles, TurnsFewBallsThatCouldStayAndHaveEvidence)
         for (SignedEdge& edge : planted.graph.edges)
             edge.weight = (planted.labels[edge.a] == planted.labels[edge.b] ? 1 : -1) * (1.1 * uniform() - 0.3);
         const std::vector<int> weight(planted.labels.size(), 1);
-        absorb_islands(planted.regular, planted.graph.is_root, weight, 0.5, planted.labels);
+        const std::vector<char> is_large(planted.labels.size(), 0);
+        absorb_islands(planted.regular, planted.graph.is_root, weight, is_large, 0.5, planted.labels);
         const std::vector<Side> before = planted.labels;
         const int euler = measure_interface_euler(planted.regular, before);
 
@@ -206,7 +207,7 @@ TEST(ShortHandles, TurnsFewBallsThatCouldStayAndHaveEvidence)
         planted.remove(options);
         EXPECT_GT(measure_interface_euler(planted.regular, planted.labels), euler);
         std::vector<Side> after = planted.labels;
-        EXPECT_EQ(absorb_islands(planted.regular, planted.graph.is_root, weight, 0.5, after), 0) << "parted";
+        EXPECT_EQ(absorb_islands(planted.regular, planted.graph.is_root, weight, is_large, 0.5, after), 0) << "parted";
 
         const CellsAtVertices at = list_cells_at_vertices(planted.regular, int(before.size()));
         std::vector<double> evidence(before.size(), 0);

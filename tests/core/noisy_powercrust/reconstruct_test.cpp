@@ -263,11 +263,21 @@ TEST(NoisyPowerCrust, KeepsAFullBodyOfFewSamples)
     EXPECT_EQ(reconstruct_noisy_power_crust(points).components, 2);
 }
 
+TEST(NoisyPowerCrust, KeepsASmallBodyOfManySamples)
+{
+    Points points = shapes::sphere(3000, 1, 5).points;
+    for (const Point& p : shapes::sphere(120, 0.12, 6).points)
+        points.push_back(p + Point(4, 0, 0));
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+    EXPECT_EQ(crust.components, 2);
+    EXPECT_TRUE(crust.warnings.empty());
+}
+
 TEST(NoisyPowerCrust, SaysThatASmallBodyOfManySamplesWasLeftOut)
 {
-    for (const auto& [samples, said] : {std::pair{30, 0u}, std::pair{120, 1u}})
+    for (const auto& [samples, said] : {std::pair{15, 0u}, std::pair{45, 1u}})
     {
-        Points points = shapes::sphere(3000, 1, 5).points;
+        Points points = shapes::sphere(1200, 1, 5).points;
         for (const Point& p : shapes::sphere(samples, 0.12, 6).points)
             points.push_back(p + Point(4, 0, 0));
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
@@ -469,6 +479,16 @@ TEST(NoisyPowerCrust, ReportsProgressAndStopsAnywhere)
         const Progress progress([&](double, const std::string&) { return ++seen < stop; });
         EXPECT_THROW(reconstruct_noisy_power_crust(points, options, progress), Cancelled);
     }
+}
+
+// Seen from above, so that only its top is there, without legs, and its shadow on the floor.
+TEST(NoisyPowerCrust, ATableOverAFloorFacesUpAndIsKept)
+{
+    const OrientedSamples scene = shapes::table_over_a_floor(4);
+    NoisyPowerCrustOptions options;
+    options.open_holes = true;
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(scene.points, 0.2, 5), options);
+    EXPECT_GT(checks::share_faced(crust.mesh, scene, 3), 0.97);
 }
 
 TEST(NoisyPowerCrust, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
