@@ -26,12 +26,10 @@ constexpr int vote_neighbours = 12;
 constexpr double least_vote = 0.1;
 /// Of a landmark's own vote beside one neighbour's: on thin parts neighbours may be of the other sheet, its balls not.
 constexpr double own_weight = 6;
-constexpr double off_sheet = 0.85; // spacings over the tangent plane: neighbours beyond may be of another sheet
-constexpr double gap_spacings = 8; // an edge this long spans a gap
-constexpr double open_share = 0.3; // of the area: single views have .38 to .67, closed models and busts up to .18
-/// Over a ground: weight of what ties the balls on it, and those between the cloud and the box, to the outside.
-constexpr float on_ground = 2;
-constexpr double towards_box = 1000;
+constexpr double off_sheet = 0.85;   // spacings over the tangent plane: neighbours beyond may be of another sheet
+constexpr double gap_spacings = 8;   // an edge this long spans a gap
+constexpr double open_share = 0.3;   // of the area: single views have .38 to .67, closed models and busts up to .18
+constexpr double towards_box = 1000; // weight of facets between the cloud and the box over a ground: none is cut
 
 /// The balls of a Delaunay triangulation and their ties.
 struct Balls
@@ -96,10 +94,10 @@ bool is_outermost(const Triangulation& t, int cell)
     return std::any_of(neighbours.begin(), neighbours.end(), [&](int o) { return !t.is_finite(o); });
 }
 
-/// What is known of the sides of an open cloud that has a ground.
-struct GroundSides
+/// An open cloud over a ground, below which there is no ball to be inside: its two sides are not opposite.
+struct GroundedCloud
 {
-    std::vector<std::int8_t> above; ///< Per point: whether its normal points up (1) or down (-1); 0 off the ground.
+    std::vector<char> is_ground; ///< Per point.
     const std::vector<double>& spacing;
 
     /// How much a facet between two balls counts. Of things that were seen from above only the sides are bare, and the
@@ -117,9 +115,10 @@ struct GroundSides
     }
 };
 
-/// Between balls by cell, the outermost ones as the outside, which is the number of finite cells. \param ground may be
-/// null.
-std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals, const GroundSides* ground)
+/// Between balls by cell, the outermost ones as the outside, which is the number of finite cells. \param grounded may
+/// be null.
+std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals,
+                           const GroundedCloud* grounded)
 {
     const Triangulation& t = balls.delaunay;
     const int outside = t.finite_cells;
@@ -140,21 +139,14 @@ std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vecto
             {
                 const double cosine =
                     intersection_cosine(balls.radius[c], balls.radius[o], (t.centres[c] - t.centres[o]).squaredNorm());
-                const double size = ground ? ground->weigh(t, points, c, i) : 1;
+                const double size = grounded ? grounded->weigh(t, points, c, i) : 1;
                 tie(c, o, size * cosine * std::min(balls.big[c], balls.big[o]), false);
             }
         }
     for (std::size_t v = 0; v < points.size(); ++v)
     {
         const int a = balls.outer[v], b = balls.inner[v];
-        if (ground && ground->above[v] != 0)
-        {
-            // Below it there is no ball to be inside.
-            if (const int above = ground->above[v] > 0 ? a : b; above >= 0)
-                tie(above, outside, on_ground, false);
-            continue;
-        }
-        if (a < 0 || b < 0)
+        if (a < 0 || b < 0 || (grounded && grounded->is_ground[v]))
             continue;
         const double weight =
             opposite_weight *
@@ -337,14 +329,14 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     if (ground)
     {
         const Vector up = ground->faces_things ? ground->normal : -ground->normal;
-        GroundSides sides{std::vector<std::int8_t>(n, 0), spacing};
+        GroundedCloud grounded{std::vector<char>(n, 0), spacing};
         for (const int v : ground->members)
-            sides.above[v] = normals[v].dot(up) < 0 ? -1 : 1;
-        labels = label(balls, list_ties(balls, points, normals, &sides), threads);
+            grounded.is_ground[v] = 1;
+        labels = label(balls, list_ties(balls, points, normals, &grounded), threads);
         result.contradicted = labels.contradicted;
         vote = ask_balls(balls, points, normals, labels.side);
         for (const int v : ground->members)
-            vote[v] = sides.above[v];
+            vote[v] = normals[v].dot(up) < 0 ? -1 : 1;
         result.normals = turn_by(vote, normals);
     }
     settle_votes(t, points, vote, spacing, threads, result.normals);
