@@ -181,13 +181,13 @@ public:
     /// A scan whose sheets have the outside on both sides, with backs behind these.
     LabelledCloud back_lost_sheets(LabelledCloud found, const Progress& progress)
     {
+        if (found.completed > 0)
+            return found;
         const int threads = labelling_.threads;
         // Where lids were opened the poles were sought along normals that have been turned since.
         LostSheets lost =
             find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
         const bool has_ground = add_ground(found.cloud, lost);
-        if (found.completed > 0)
-            return found;
         if (lost.share <= bearable_lost)
             return back_some_sheets(std::move(found), lost, progress);
         const double handles = measure_closed_topology(extract(found)).genus(),

@@ -248,7 +248,8 @@ DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double sp
 {
     constexpr double smallest_body = 0.01, fewest_samples = 0.02, smallest_share_of_triangles = 0.05;
     // Least volume over area [spacings]: of any body, and of one sampled as densely as all, with that many triangles: a
-    // board of which both sides were seen. Outliers make bodies of 0.5, nine times sparser; shells have up to 0.3.
+    // board of which both sides were seen. Outliers make bodies of 0.5, nine times sparser; shells in scans have 0.25
+    // to 0.4.
     constexpr double full = 1.5, thin = 0.4, as_dense = 2;
     constexpr std::size_t fewest_triangles = 100;
     DroppedBodies dropped;
