@@ -80,6 +80,7 @@ struct LabelledSamples
     std::vector<int> claimed = {}; ///< Input points that the surface claims, if not exact.
     int backs = 0;                 ///< The last so many samples lie behind sheets that had the outside on both sides.
     double lost_sheets = 0;        ///< Share of samples in such sheets, if they got a back and are no ground [0..1].
+    bool is_settled = false;       ///< Whether no other labels are to be tried.
 };
 
 void take(LabelledSamples& found, BackedSheets backed)
@@ -157,6 +158,23 @@ bool looks_exact(const Cleanness& cleanness, double least_noise_found)
            (least_noise_found < least_noise || least_noise_found > walls || cleanness.whiteness < exact_whiteness);
 }
 
+/// Exact points over a ground, labelled with the surface's normals: without them the ground's votes, which no ball
+/// below it answers, cancel and make it lace. None if there is no ground.
+std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const Points& samples, const Vectors& normals,
+                                                 int isolated, const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                 const Progress& progress)
+{
+    LostSheets none;
+    if (!add_ground(samples, normals, none))
+        return {};
+    LabelledBalls labelled =
+        label_polar_balls(samples, normals, labelling, times, progress.part(0, 0.5, "polar balls"));
+    LabelledSamples found{frame, samples, std::move(labelled), isolated, true};
+    back_lost_sheets(found, normals, true, 0, labelling, times, progress.part(0.5, 1, "backs of sheets"));
+    found.is_settled = true;
+    return found;
+}
+
 /// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
 /// not exact, or too open.
 std::optional<LabelledSamples> label_exact_points(const Points& points, const AmlsSurface& surface,
@@ -174,9 +192,12 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
     if (!looks_exact(cleanness, report.least_noise))
         return {};
-    LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0, 0.5, "polar balls"));
     const auto list_normals = [&](const Progress& part)
     { return points_at(kept, list_surface_normals(points, surface, labelling.threads, part)); };
+    if (report.open)
+        if (auto scene = label_exact_scene(frame, distinct, list_normals({}), isolated, labelling, times, progress))
+            return scene;
+    LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0, 0.5, "polar balls"));
     // So open a cloud, as a shallow dome, needs the surface's normals, which are those of the points where it passes
     // through them.
     if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)
@@ -214,7 +235,7 @@ LabelledSamples label_points(const Points& points, const AmlsSurface& surface, b
     if (!exact)
         return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 1));
     const double violated = exact->labelled.violated_votes;
-    if (violated <= suspicious_votes)
+    if (exact->is_settled || violated <= suspicious_votes)
         return std::move(*exact);
     times.begin("mismatch");
     const double mismatch = measure_mismatch(*exact, points, labelling.threads);

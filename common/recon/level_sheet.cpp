@@ -84,37 +84,37 @@ Plane find_largest_plane(const Points& points, const Vectors& normals, double ha
     return best;
 }
 
-/// Directions in the ground's plane: how far it reaches in each.
+/// How far the ground reaches in each direction of its plane. Of its convex hull, since the shadow of what stands near
+/// the rim notches it.
 class Rim
 {
 public:
-    Rim(const Points& points, const Ground& ground)
-        : origin_(ground.origin), first_(ground.normal.unitOrthogonal()), second_(ground.normal.cross(first_))
+    Rim(const Points& points, const Ground& ground) : origin_(ground.origin)
     {
-        for (const int i : ground.members)
+        constexpr double pi = 3.14159265358979323846;
+        const Vector first = ground.normal.unitOrthogonal(), second = ground.normal.cross(first);
+        for (std::size_t k = 0; k < reach_.size(); ++k)
         {
-            const auto [sector, radius] = place(points[i]);
-            radii_[sector] = std::max(radii_[sector], radius);
+            const double turn = 2 * pi * double(k) / double(reach_.size());
+            reach_[k].direction = std::cos(turn) * first + std::sin(turn) * second;
+            for (const int i : ground.members)
+                reach_[k].length = std::max(reach_[k].length, reach_[k].direction.dot(points[i] - origin_));
         }
     }
     bool has_within(const Point& p) const
     {
-        const auto [sector, radius] = place(p);
-        return radius < inner * radii_[sector];
+        return std::all_of(reach_.begin(), reach_.end(),
+                           [&](const Reach& r) { return r.direction.dot(p - origin_) < inner * r.length; });
     }
 
 private:
-    static constexpr std::size_t sectors = 24;
-    std::pair<std::size_t, double> place(const Point& p) const
+    struct Reach
     {
-        constexpr double pi = 3.14159265358979323846;
-        const double x = first_.dot(p - origin_), y = second_.dot(p - origin_);
-        const double turn = (std::atan2(y, x) + pi) / (2 * pi);
-        return {std::min(sectors - 1, std::size_t(turn * double(sectors))), std::hypot(x, y)};
-    }
+        Vector direction;
+        double length = 0;
+    };
     Point origin_;
-    Vector first_, second_;
-    std::array<double, sectors> radii_{};
+    std::array<Reach, 24> reach_;
 };
 
 /// Area of what stands out of a plane, on the side of its normal and on the other.

@@ -345,6 +345,26 @@ TEST(ReconstructAmls, ATableOverAFloorFacesUpAndIsKept)
     EXPECT_GT(checks::share_faced(result.mesh, scene, 3), 0.97);
 }
 
+// No ball below it answers its votes, so that without normals large parts of it come out as lace.
+TEST(ReconstructAmls, TheGroundOfAnExactSceneIsWhole)
+{
+    shapes::Random random(3);
+    const auto draw = [&] { return 140 * (shapes::uniform(random) - 0.5); };
+    OrientedSamples scene;
+    for (int i = 0; i < 140 * 140; ++i)
+    {
+        const double x = draw(), y = draw();
+        const bool is_table = std::abs(x - 5) <= 18 && std::abs(y) <= 14;
+        scene.points.emplace_back(x, y, is_table ? 20 : 0);
+        scene.normals.push_back(Vector::UnitZ());
+    }
+    AmlsReconstructionOptions options;
+    options.open_holes = true;
+    const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(scene.points, 0.02, 5), options);
+    EXPECT_GT(checks::share_faced(result.mesh, scene, 2.5), 0.99);
+    EXPECT_EQ(result.vertices_on_surface, 0);
+}
+
 TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
     const Points level = shapes::with_noise(shapes::ball_on_a_ground(4), 0.2, 5);

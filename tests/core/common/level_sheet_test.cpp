@@ -126,6 +126,21 @@ TEST(FindGround, ATableFacesWhatStandsOnIt)
     }
 }
 
+TEST(FindGround, AShadowMayNotchItsRim)
+{
+    Sheet sheet;
+    for (double x = -0.99; x < 1; x += 0.02)
+        for (double y = -0.99; y < 1; y += 0.02)
+            if (x < 0.55 || std::abs(y - 0.1) > 0.3)
+                sheet.append(Point(x, y, 0), Vector::UnitZ());
+    const OrientedSamples ball = shapes::sphere(700, 0.15, 3);
+    for (std::size_t i = 0; i < ball.points.size(); ++i)
+        sheet.append(ball.points[i] + Point(0.7, 0.1, 0.15), ball.normals[i]);
+    const std::optional<Ground> ground = find_ground(sheet.points, sheet.normals);
+    ASSERT_TRUE(ground);
+    EXPECT_TRUE(ground->faces_things);
+}
+
 TEST(FindGround, NoneWhereWallsStandAtTheRimOrNothingStandsOut)
 {
     for (const double height : {0.2, 0.5, 2.0})
