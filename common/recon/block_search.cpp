@@ -1,12 +1,15 @@
 #include <recon/block_search.h>
 
+#include <recon/simd.h>
 #include <recon/vector_clones.h>
 
 #include <boost/container/small_vector.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace recon
@@ -14,7 +17,10 @@ namespace recon
 namespace
 {
 
+using simd::Lanes;
+
 constexpr int fan = BlockSearch::fan;
+static_assert(fan == simd::lane_count);
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int deepest = 256; // a path of 11 levels leaves at most 7 siblings on each
 
@@ -25,45 +31,37 @@ struct Node
     int level, index;
 };
 
-RECON_INLINE void measure_boxes(const BlockSearch::Box& box, const double* q, double* squared)
+/// Squared distances from 8 boxes.
+RECON_INLINE Lanes measure_boxes(const BlockSearch::Box& box, const double* q)
 {
-    for (int k = 0; k < fan; ++k)
+    Lanes sum = simd::zero();
+    for (int axis = 0; axis < 3; ++axis)
     {
-        double sum = 0;
-        for (int axis = 0; axis < 3; ++axis)
-        {
-            const double below = box.low[axis][k] - q[axis], above = q[axis] - box.high[axis][k];
-            double d = below > above ? below : above;
-            d = d > 0 ? d : 0;
-            sum += d * d;
-        }
-        squared[k] = sum;
+        const Lanes below = simd::load(box.low[axis]) - q[axis], above = q[axis] - simd::load(box.high[axis]);
+        Lanes d = below > above ? below : above;
+        d = d > 0 ? d : simd::zero();
+        sum += d * d;
     }
+    return sum;
 }
 
 /// To the farthest corners.
-RECON_INLINE void measure_corners(const BlockSearch::Box& box, const double* q, double* squared)
+RECON_INLINE Lanes measure_corners(const BlockSearch::Box& box, const double* q)
 {
-    for (int k = 0; k < fan; ++k)
+    Lanes sum = simd::zero();
+    for (int axis = 0; axis < 3; ++axis)
     {
-        double sum = 0;
-        for (int axis = 0; axis < 3; ++axis)
-        {
-            const double low = q[axis] - box.low[axis][k], high = box.high[axis][k] - q[axis];
-            const double d = low > high ? low : high;
-            sum += d * d;
-        }
-        squared[k] = sum;
+        const Lanes low = q[axis] - simd::load(box.low[axis]), high = simd::load(box.high[axis]) - q[axis];
+        const Lanes d = low > high ? low : high;
+        sum += d * d;
     }
+    return sum;
 }
 
-RECON_INLINE void measure_points(const BlockSearch::Leaf& leaf, const double* q, double* squared)
+RECON_INLINE Lanes measure_points(const BlockSearch::Leaf& leaf, const double* q)
 {
-    for (int k = 0; k < fan; ++k)
-    {
-        const double x = leaf.p[0][k] - q[0], y = leaf.p[1][k] - q[1], z = leaf.p[2][k] - q[2];
-        squared[k] = x * x + y * y + z * z;
-    }
+    const Lanes x = simd::load(leaf.p[0]) - q[0], y = simd::load(leaf.p[1]) - q[1], z = simd::load(leaf.p[2]) - q[2];
+    return x * x + y * y + z * z;
 }
 
 /// What the queries read.
@@ -89,32 +87,64 @@ struct Tree
     }
 };
 
-/// Calls visit(first index, squared distances of 8 points) for the leaves that come as near as `limit`, in the
-/// order of the points. The visit may lower the limit.
-template <class Visit>
-RECON_INLINE void visit_leaves(const Tree& tree, const double* q, double& limit, Visit&& visit)
+/// Of each mask: the bits that are set, in ascending order.
+constexpr std::array<std::array<std::uint8_t, fan>, 1 << fan> list_set_bits()
 {
-    Node stack[deepest];
-    int depth = 0;
-    stack[depth++] = {0, tree.level_count - 1, 0};
-    while (depth > 0)
+    std::array<std::array<std::uint8_t, fan>, 1 << fan> bits{};
+    for (unsigned mask = 0; mask < 1u << fan; ++mask)
     {
-        const Node node = stack[--depth];
-        if (node.squared > limit)
-            continue;
-        double d[fan];
-        if (node.level < 0)
+        int count = 0;
+        for (unsigned k = 0; k < fan; ++k)
+            if (mask >> k & 1)
+                bits[mask][std::size_t(count++)] = std::uint8_t(k);
+    }
+    return bits;
+}
+constexpr auto set_bits = list_set_bits();
+
+/// Bit j: whether the j-th is at most `limit`.
+RECON_INLINE unsigned mask_of(Lanes squared, double limit)
+{
+    // Eight bytes of 0 or 1, of which the product gathers the bits in its highest byte.
+    using Bytes = std::int8_t __attribute__((vector_size(fan)));
+    const Bytes within = __builtin_convertvector(squared <= limit, Bytes);
+    std::uint64_t bytes;
+    std::memcpy(&bytes, &within, sizeof bytes);
+    return unsigned((bytes & 0x0101010101010101u) * 0x0102040810204080u >> 56);
+}
+
+/// Calls visit(first index, squared distances of 8 points) for the leaves that come as near as `limit`, in the
+/// order of the points, until it returns false.
+template <class Visit>
+RECON_INLINE void visit_leaves(const Tree& tree, const double* q, double limit, Visit&& visit)
+{
+    constexpr int most_levels = 11;
+    int index[most_levels];     // of the box on each level,
+    unsigned left[most_levels]; // and its children still to be visited
+    const auto enter = [&](int level, int box) RECON_INLINE_LAMBDA
+    {
+        index[level] = box;
+        left[level] = mask_of(measure_boxes(tree.levels[level][box], q), limit);
+    };
+    int level = tree.level_count - 1;
+    enter(level, 0);
+    while (level < tree.level_count)
+    {
+        const unsigned mask = left[level];
+        if (mask == 0)
         {
-            measure_points(tree.leaves[node.index], q, d);
-            visit(node.index * fan, d);
+            ++level;
             continue;
         }
-        measure_boxes(tree.levels[node.level][node.index], q, d);
-        for (int j = fan - 1; j >= 0; --j)
+        left[level] = mask & (mask - 1);
+        const int child = index[level] * fan + __builtin_ctz(mask);
+        if (level > 0)
         {
-            stack[depth] = {d[j], node.level - 1, node.index * fan + j};
-            depth += d[j] <= limit;
+            enter(--level, child);
+            continue;
         }
+        if (!visit(child * fan, measure_points(tree.leaves[child], q)))
+            return;
     }
 }
 
@@ -148,18 +178,16 @@ RECON_VECTOR_CLONES
 void collect_candidates(const Tree& tree, const double* q, double limit, std::size_t most, Candidates* candidates)
 {
     visit_leaves(tree, q, limit,
-                 [&](int first, const double* d) RECON_INLINE_LAMBDA
+                 [&](int first, Lanes d) RECON_INLINE_LAMBDA
                  {
-                     Candidate found[fan];
-                     int count = 0;
-                     for (int j = 0; j < fan; ++j)
+                     double squared[fan];
+                     simd::store(squared, d);
+                     for (unsigned mask = mask_of(d, limit); mask != 0; mask &= mask - 1)
                      {
-                         found[count] = {d[j], first + j};
-                         count += d[j] <= limit;
+                         const int j = __builtin_ctz(mask);
+                         candidates->push_back({squared[j], first + j});
                      }
-                     candidates->insert(candidates->end(), found, found + count);
-                     if (candidates->size() > most)
-                         limit = -1;
+                     return candidates->size() <= most;
                  });
 }
 
@@ -181,7 +209,7 @@ void collect_nearest(const Tree& tree, const double* q, int k, Candidates* candi
         double d[fan];
         if (node.level < 0)
         {
-            measure_points(tree.leaves[node.index], q, d);
+            simd::store(d, measure_points(tree.leaves[node.index], q));
             for (int j = 0; j < fan; ++j)
                 if (d[j] <= last.squared)
                     candidates->push_back({d[j], node.index * fan + j});
@@ -192,11 +220,11 @@ void collect_nearest(const Tree& tree, const double* q, int k, Candidates* candi
             }
             continue;
         }
-        measure_boxes(tree.levels[node.level][node.index], q, d);
+        simd::store(d, measure_boxes(tree.levels[node.level][node.index], q));
         if (Tree::child_size(node) >= k)
         {
             double far[fan];
-            measure_corners(tree.levels[node.level][node.index], q, far);
+            simd::store(far, measure_corners(tree.levels[node.level][node.index], q));
             for (int j = 0; j < fan; ++j)
                 if (far[j] < last.squared && tree.is_full(node, j))
                     last = {far[j], std::numeric_limits<int>::max()};
@@ -219,18 +247,19 @@ void collect_within(const Tree& tree, const double* q, double limit, std::vector
     constexpr int room = 64 * fan;
     int found[room], count = 0;
     visit_leaves(tree, q, limit,
-                 [&](int first, const double* d) RECON_INLINE_LAMBDA
+                 [&](int first, Lanes d) RECON_INLINE_LAMBDA
                  {
                      if (count > room - fan)
                      {
                          indices->insert(indices->end(), found, found + count);
                          count = 0;
                      }
+                     const unsigned mask = mask_of(d, limit);
+                     const std::uint8_t* places = set_bits[mask].data();
                      for (int j = 0; j < fan; ++j)
-                     {
-                         found[count] = first + j;
-                         count += d[j] <= limit;
-                     }
+                         found[count + j] = first + places[j];
+                     count += __builtin_popcount(mask);
+                     return true;
                  });
     indices->insert(indices->end(), found, found + count);
 }
@@ -239,12 +268,10 @@ RECON_VECTOR_CLONES
 bool find_within(const Tree& tree, const double* q, double limit, int wanted)
 {
     visit_leaves(tree, q, limit,
-                 [&](int, const double* d) RECON_INLINE_LAMBDA
+                 [&](int, Lanes d) RECON_INLINE_LAMBDA
                  {
-                     for (int j = 0; j < fan; ++j)
-                         wanted -= d[j] <= limit;
-                     if (wanted <= 0)
-                         limit = -1;
+                     wanted -= __builtin_popcount(mask_of(d, limit));
+                     return wanted > 0;
                  });
     return wanted <= 0;
 }

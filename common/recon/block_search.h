@@ -38,11 +38,11 @@ public:
 
     static constexpr int fan = 8;
 
-    struct Box
+    struct alignas(64) Box
     {
         double low[3][fan], high[3][fan]; ///< Of the 8 children.
     };
-    struct Leaf
+    struct alignas(64) Leaf
     {
         double p[3][fan];
     };
