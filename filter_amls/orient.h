@@ -12,10 +12,15 @@ namespace recon
 struct Orientation
 {
     Vectors normals;
-    Points poles;            ///< Centres of large balls along the normals: points near the medial axis.
-    double contradicted = 0; ///< Share of the weight of the constraints that the labels violate [0..1].
-    bool open = false;       ///< Much of what would close the surface spans gaps: a sheet, which has no inside.
+    Points poles;                ///< Centres of large balls along the normals: points near the medial axis.
+    double contradicted = 0;     ///< Share of the weight of the constraints that the labels violate [0..1].
+    bool open = false;           ///< Much of what would close the surface spans gaps: a sheet, which has no inside.
+    std::vector<char> is_closed; ///< Per point: of a smaller piece of an open cloud that is closed by itself, as a ball
+                                 ///< beside a floor, and faces outward whatever the rest does.
 };
+
+/// Where stays[i] is 0.
+void turn_over(Vectors& normals, const std::vector<char>& stays);
 
 /// Chooses the sign of each normal from the Delaunay balls of the points (README.md, step 6). Balls of neighbouring
 /// cells that intersect deeply lie on one side, the two poles of a point on opposite ones; of these constraints as much

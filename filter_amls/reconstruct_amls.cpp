@@ -115,7 +115,9 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
         const auto list_normals = [&](const Progress&) { return normals; };
         back_some_sheets(found, lost, true, list_normals, labelling, times, progress);
     };
-    if (!has_ground && (violated <= open_behind_with_normals || lost.largest <= bearable_lost))
+    // In an open cloud lace may leave only scattered ones without an inside.
+    const bool hang_together = lost.largest > bearable_lost || (is_open && violated > open_behind);
+    if (!has_ground && (violated <= open_behind_with_normals || !hang_together))
         return back_some();
     Points samples = found.samples;
     Vectors all_normals = normals;

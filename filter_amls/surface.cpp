@@ -120,6 +120,21 @@ void orient_by_given(const Cells& cells, const Vectors& given, Vectors& normals)
             normals[c] = -normals[c];
 }
 
+/// Whether what is open is a terrain that faces down.
+bool faces_down(const Points& points, const Orientation& orientation, const std::vector<double>& spacing)
+{
+    const Vectors normals = times_area(orientation.normals, spacing);
+    Points open;
+    Vectors normals_of_open;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!orientation.is_closed[i])
+        {
+            open.push_back(points[i]);
+            normals_of_open.push_back(normals[i]);
+        }
+    return !open.empty() && is_upside_down(open, normals_of_open);
+}
+
 /// Sides of the landmarks, from which all cells take theirs, or from given normals.
 Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Vectors& given_normals,
                    bool terrain_faces_up, int threads, const Progress& progress)
@@ -133,10 +148,8 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         landmark_normals.push_back(normals.normals[c]);
     }
     Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads, progress);
-    if (orientation.open && terrain_faces_up &&
-        is_upside_down(landmarks, times_area(orientation.normals, choice.landmark_spacing)))
-        for (Vector& normal : orientation.normals)
-            normal = -normal;
+    if (orientation.open && terrain_faces_up && faces_down(landmarks, orientation, choice.landmark_spacing))
+        turn_over(orientation.normals, orientation.is_closed);
     if (given_normals.empty())
         orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     else

@@ -194,7 +194,9 @@ public:
                      violated = found.labelled.violated_votes;
         const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
         const double usual = found.cloud.denoised ? open_behind_with_normals : open_behind;
-        const bool is_open_behind = lost.largest > bearable_lost && violated > usual;
+        // In an open cloud lace may leave only scattered ones without an inside.
+        const bool hang_together = lost.largest > bearable_lost || (is_open(found.cloud) && violated > open_behind);
+        const bool is_open_behind = hang_together && violated > usual;
         const bool is_whole_otherwise = !is_lace && violated <= flooded_above && !has_ground;
         if (is_whole_otherwise && !is_open_behind)
             return back_some_sheets(std::move(found), lost, progress);
@@ -264,8 +266,11 @@ private:
     /// The ground of a scene is such a sheet, whatever the balls between its samples are called.
     static bool add_ground(const PreparedSamples& cloud, LostSheets& lost)
     {
-        return cloud.denoised && cloud.surface->report().open && recon::add_ground(cloud.samples, cloud.normals, lost);
+        return is_open(cloud) && recon::add_ground(cloud.samples, cloud.normals, lost);
     }
+
+    /// Whether it has normals, too.
+    static bool is_open(const PreparedSamples& cloud) { return cloud.denoised && cloud.surface->report().open; }
 
     TriangleMesh extract(LabelledCloud& found)
     {

@@ -271,6 +271,23 @@ TEST(OrientNormals, FaceUpOnATableOverAFloor)
         EXPECT_EQ(found.normals[i], same.normals[i]);
 }
 
+// Its labels may take the air between them for the inside, which reaches out to the box on that side.
+TEST(OrientNormals, ABallBesideAFloorFacesOutwardAndTheFloorFacesIt)
+{
+    for (const double x : {45, 60, 80})
+        for (const std::uint64_t seed : {4, 5, 6})
+        {
+            Landmarks scene;
+            scene.add(shapes::ball_apart_from_a_floor(x, seed), 1);
+            scene.scale(0.01);
+            const Orientation found = scene.orient();
+            EXPECT_TRUE(found.open);
+            EXPECT_EQ(scene.wrong(found), 0) << x;
+            for (std::size_t i = 0; i < scene.points.size(); ++i)
+                EXPECT_EQ(found.is_closed[i], i < 1018) << x;
+        }
+}
+
 TEST(OrientNormals, CanBeCancelled)
 {
     Landmarks sphere;

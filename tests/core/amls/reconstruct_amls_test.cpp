@@ -1,6 +1,7 @@
 #include "filter_amls/reconstruct_amls.h"
 
 #include "tests/checks.h"
+#include "tests/ground_scenes.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
@@ -63,6 +64,13 @@ Points egg_crate(int cells)
         }
     return points;
 }
+TriangleMesh mesh_of_scene(const Points& points, bool opens_holes)
+{
+    AmlsReconstructionOptions options;
+    options.open_holes = opens_holes;
+    return reconstruct_amls(points, options).mesh;
+}
+
 } // namespace
 
 TEST(ReconstructAmls, MakesASmoothClosedTorus)
@@ -336,15 +344,6 @@ TEST(ReconstructAmls, AShallowDomeOfExactPointsKeepsThem)
     EXPECT_LT(off, int(cap.size() / 50));
 }
 
-TEST(ReconstructAmls, ATableOverAFloorFacesUpAndIsKept)
-{
-    const OrientedSamples scene = shapes::table_over_a_floor(4);
-    AmlsReconstructionOptions options;
-    options.open_holes = true;
-    const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(scene.points, 0.2, 5), options);
-    EXPECT_GT(checks::share_faced(result.mesh, scene, 3), 0.97);
-}
-
 // No ball below it answers its votes, so that without normals large parts of it come out as lace.
 TEST(ReconstructAmls, TheGroundOfAnExactSceneIsWhole)
 {
@@ -365,30 +364,17 @@ TEST(ReconstructAmls, TheGroundOfAnExactSceneIsWhole)
     EXPECT_EQ(result.vertices_on_surface, 0);
 }
 
+TEST(ReconstructAmls, ABallOverOrBesideAFloorFacesOutward)
+{
+    checks::expect_ball_apart_from_a_floor_faces_outward(mesh_of_scene);
+}
+
+TEST(ReconstructAmls, ATableOverAFloorFacesUpAndIsKept)
+{
+    checks::expect_table_over_a_floor_faces_up(mesh_of_scene);
+}
+
 TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
-    const Points level = shapes::with_noise(shapes::ball_on_a_ground(4), 0.2, 5);
-    // Whichever axis is up.
-    for (const int up : {2, 1})
-    {
-        Points points = level;
-        if (up == 1)
-            for (Point& p : points)
-                p = Point(p.x(), p.z(), -p.y());
-        for (const bool is_opened : {false, true})
-        {
-            AmlsReconstructionOptions options;
-            options.open_holes = is_opened;
-            TriangleMesh mesh = reconstruct_amls(points, options).mesh;
-            const checks::MeshReport report = checks::examine_mesh(mesh);
-            EXPECT_EQ(report.components, 1);
-            EXPECT_EQ(report.is_closed_oriented_manifold(), !is_opened) << report.text();
-            if (up == 1)
-                for (Point& p : mesh.vertices)
-                    p = Point(p.x(), -p.z(), p.y());
-            const checks::SceneReport scene = checks::examine_ball_on_a_ground(mesh);
-            EXPECT_GT(scene.ball, 0.9) << up << is_opened;
-            EXPECT_GT(scene.ground, 0.9) << up << is_opened;
-        }
-    }
+    checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);
 }

@@ -2,6 +2,7 @@
 #include "filter_noisy_powercrust/reconstruct.h"
 
 #include "tests/checks.h"
+#include "tests/ground_scenes.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
@@ -14,6 +15,13 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
+
+TriangleMesh mesh_of_scene(const Points& points, bool opens_holes)
+{
+    NoisyPowerCrustOptions options;
+    options.open_holes = opens_holes;
+    return reconstruct_noisy_power_crust(points, options).mesh;
+}
 
 } // namespace
 
@@ -87,40 +95,17 @@ TEST(NoisyPowerCrust, AnExactCavityStays)
     EXPECT_NEAR(report.volume, 4 * pi / 3 * (1 - 0.125), 0.02);
 }
 
-// Seen from above, so that only its top is there, without legs, and its shadow on the floor.
+TEST(NoisyPowerCrust, ABallOverOrBesideAFloorFacesOutward)
+{
+    checks::expect_ball_apart_from_a_floor_faces_outward(mesh_of_scene);
+}
+
 TEST(NoisyPowerCrust, ATableOverAFloorFacesUpAndIsKept)
 {
-    const OrientedSamples scene = shapes::table_over_a_floor(4);
-    NoisyPowerCrustOptions options;
-    options.open_holes = true;
-    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(scene.points, 0.2, 5), options);
-    EXPECT_GT(checks::share_faced(crust.mesh, scene, 3), 0.97);
+    checks::expect_table_over_a_floor_faces_up(mesh_of_scene);
 }
 
 TEST(NoisyPowerCrust, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
-    const Points level = shapes::with_noise(shapes::ball_on_a_ground(4), 0.2, 5);
-    // Whichever axis is up.
-    for (const int up : {2, 1})
-    {
-        Points points = level;
-        if (up == 1)
-            for (Point& p : points)
-                p = Point(p.x(), p.z(), -p.y());
-        for (const bool is_opened : {false, true})
-        {
-            NoisyPowerCrustOptions options;
-            options.open_holes = is_opened;
-            TriangleMesh mesh = reconstruct_noisy_power_crust(points, options).mesh;
-            const checks::MeshReport report = checks::examine_mesh(mesh);
-            EXPECT_EQ(report.components, 1);
-            EXPECT_EQ(report.is_closed_oriented_manifold(), !is_opened) << report.text();
-            if (up == 1)
-                for (Point& p : mesh.vertices)
-                    p = Point(p.x(), -p.z(), p.y());
-            const checks::SceneReport scene = checks::examine_ball_on_a_ground(mesh);
-            EXPECT_GT(scene.ball, 0.9) << up << is_opened;
-            EXPECT_GT(scene.ground, 0.9) << up << is_opened;
-        }
-    }
+    checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);
 }

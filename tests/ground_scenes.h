@@ -1,0 +1,62 @@
+#pragma once
+
+#include "checks.h"
+#include "shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+/// What every filter that makes a surface of a scene over a ground must get right.
+namespace checks
+{
+
+using Reconstruct = std::function<recon::TriangleMesh(const recon::Points& points, bool opens_holes)>;
+
+/// Seen from above, so that only its top is there, without legs, and its shadow on the floor.
+inline void expect_table_over_a_floor_faces_up(const Reconstruct& reconstruct)
+{
+    const recon::OrientedSamples scene = shapes::table_over_a_floor(4);
+    const recon::TriangleMesh mesh = reconstruct(shapes::with_noise(scene.points, 0.2, 5), true);
+    EXPECT_GT(share_faced(mesh, scene, 3), 0.97);
+}
+
+/// Over the floor its balls are a fiftieth of all; beside it the floor has no things before it, and which of its sides
+/// is the outside the ball alone tells.
+inline void expect_ball_apart_from_a_floor_faces_outward(const Reconstruct& reconstruct)
+{
+    for (const double x : {20, 60})
+    {
+        const recon::OrientedSamples scene = shapes::ball_apart_from_a_floor(x, 4);
+        const recon::TriangleMesh mesh = reconstruct(shapes::with_noise(scene.points, 0.2, 5), true);
+        EXPECT_GT(share_faced(mesh, scene, 3), 0.99) << x;
+    }
+}
+
+/// Whichever axis is up.
+inline void expect_ball_faces_outward_on_a_whole_ground(const Reconstruct& reconstruct)
+{
+    const recon::Points level = shapes::with_noise(shapes::ball_on_a_ground(4), 0.2, 5);
+    for (const int up : {2, 1})
+    {
+        recon::Points points = level;
+        if (up == 1)
+            for (recon::Point& p : points)
+                p = recon::Point(p.x(), p.z(), -p.y());
+        for (const bool is_opened : {false, true})
+        {
+            recon::TriangleMesh mesh = reconstruct(points, is_opened);
+            const MeshReport report = examine_mesh(mesh);
+            EXPECT_EQ(report.components, 1);
+            EXPECT_EQ(report.is_closed_oriented_manifold(), !is_opened) << report.text();
+            if (up == 1)
+                for (recon::Point& p : mesh.vertices)
+                    p = recon::Point(p.x(), -p.z(), p.y());
+            const SceneReport scene = examine_ball_on_a_ground(mesh);
+            EXPECT_GT(scene.ball, 0.9) << up << is_opened;
+            EXPECT_GT(scene.ground, 0.9) << up << is_opened;
+        }
+    }
+}
+
+} // namespace checks
