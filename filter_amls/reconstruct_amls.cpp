@@ -115,9 +115,7 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
         const auto list_normals = [&](const Progress&) { return normals; };
         back_some_sheets(found, lost, true, list_normals, labelling, times, progress);
     };
-    // In an open cloud lace may leave only scattered ones without an inside.
-    const bool hang_together = lost.largest > bearable_lost || (is_open && violated > open_behind);
-    if (!has_ground && (violated <= open_behind_with_normals || !hang_together))
+    if (!has_ground && (violated <= open_behind_with_normals || !may_be_a_sheet(lost, is_open, violated)))
         return back_some();
     Points samples = found.samples;
     Vectors all_normals = normals;
@@ -194,12 +192,18 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
     if (!looks_exact(cleanness, report.least_noise))
         return {};
+    std::optional<Vectors> known; // asked for up to three times
     const auto list_normals = [&](const Progress& part)
-    { return points_at(kept, list_surface_normals(points, surface, labelling.threads, part)); };
+    {
+        if (!known)
+            known = points_at(kept, list_surface_normals(points, surface, labelling.threads, part));
+        return *known;
+    };
     if (report.open)
-        if (auto scene = label_exact_scene(frame, distinct, list_normals({}), isolated, labelling, times, progress))
+        if (auto scene = label_exact_scene(frame, distinct, list_normals(progress.part(0, 0.1)), isolated, labelling,
+                                           times, progress.part(0.1, 1)))
             return scene;
-    LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0, 0.5, "polar balls"));
+    LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
     // So open a cloud, as a shallow dome, needs the surface's normals, which are those of the points where it passes
     // through them.
     if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)

@@ -194,9 +194,7 @@ public:
                      violated = found.labelled.violated_votes;
         const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
         const double usual = found.cloud.denoised ? open_behind_with_normals : open_behind;
-        // In an open cloud lace may leave only scattered ones without an inside.
-        const bool hang_together = lost.largest > bearable_lost || (is_open(found.cloud) && violated > open_behind);
-        const bool is_open_behind = hang_together && violated > usual;
+        const bool is_open_behind = may_be_a_sheet(lost, is_open(found.cloud), violated) && violated > usual;
         const bool is_whole_otherwise = !is_lace && violated <= flooded_above && !has_ground;
         if (is_whole_otherwise && !is_open_behind)
             return back_some_sheets(std::move(found), lost, progress);

@@ -337,11 +337,11 @@ OrientedSamples table_over_a_floor(std::uint64_t seed)
     return scene;
 }
 
-OrientedSamples ball_apart_from_a_floor(double x, std::uint64_t seed)
+OrientedSamples ball_apart_from_a_floor(const Point& centre, double radius, std::uint64_t seed)
 {
-    OrientedSamples scene = sphere(1018, 9, seed);
+    OrientedSamples scene = sphere(int(std::lround(4 * pi * radius * radius)), radius, seed);
     for (Point& p : scene.points)
-        p += Point(x, 5, 30);
+        p += centre;
     const Points ground = ball_on_a_ground(seed);
     scene.points.insert(scene.points.end(), ground.end() - 101 * 101, ground.end());
     scene.normals.resize(scene.points.size(), Vector::UnitZ());

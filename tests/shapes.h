@@ -73,8 +73,8 @@ recon::Points ball_on_a_ground(std::uint64_t seed);
 /// a unit of area, jittered, none in the table's shadow; all face up.
 recon::OrientedSamples table_over_a_floor(std::uint64_t seed);
 
-/// The same floor, whole, facing up, and a closed ball of radius 9 whose centre is at (x, 5, 30).
-recon::OrientedSamples ball_apart_from_a_floor(double x, std::uint64_t seed);
+/// A closed ball, one sample a unit of area, and behind its samples those of the same floor, whole, facing up.
+recon::OrientedSamples ball_apart_from_a_floor(const recon::Point& centre, double radius, std::uint64_t seed);
 
 /// Floor and wall of a cup of radius 1 along z, whose rim at `height` goes up and down by `wave` three times around.
 recon::Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed);

@@ -172,6 +172,11 @@ LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled
     return result;
 }
 
+bool may_be_a_sheet(const LostSheets& lost, bool is_open, double violated)
+{
+    return lost.largest > bearable_lost || (is_open && violated > open_behind);
+}
+
 bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost)
 {
     const std::optional<Ground> ground = find_ground(samples, normals);

@@ -36,6 +36,10 @@ std::string describe_backs(double share);
 /// samples have no inside, and hardly any of them hang together.
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads);
 
+/// Whether they may be a sheet rather than scattered. Of an open cloud lace may leave only scattered ones without an
+/// inside, but then the votes object. \param is_open of a cloud with normals. \param violated share of its votes.
+bool may_be_a_sheet(const LostSheets& lost, bool is_open, double violated);
+
 /// Adds the ground of a scene, see find_ground(): there is no ball below it either. \returns whether there is one that
 /// faces what stands on it.
 bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost);

@@ -22,7 +22,8 @@ using simd::Lanes;
 constexpr int fan = BlockSearch::fan;
 static_assert(fan == simd::lane_count);
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int deepest = 256; // a path of 11 levels leaves at most 7 siblings on each
+constexpr int most_levels = 11; // of as many points as an index counts
+constexpr int deepest = 256;    // a path leaves at most 7 siblings on each level
 
 /// A place in the tree: of level -1 a leaf.
 struct Node
@@ -118,7 +119,6 @@ RECON_INLINE unsigned mask_of(Lanes squared, double limit)
 template <class Visit>
 RECON_INLINE void visit_leaves(const Tree& tree, const double* q, double limit, Visit&& visit)
 {
-    constexpr int most_levels = 11;
     int index[most_levels];     // of the box on each level,
     unsigned left[most_levels]; // and its children still to be visited
     const auto enter = [&](int level, int box) RECON_INLINE_LAMBDA

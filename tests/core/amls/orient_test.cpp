@@ -275,17 +275,60 @@ TEST(OrientNormals, FaceUpOnATableOverAFloor)
 TEST(OrientNormals, ABallBesideAFloorFacesOutwardAndTheFloorFacesIt)
 {
     for (const double x : {45, 60, 80})
-        for (const std::uint64_t seed : {4, 5, 6})
+        for (const double z : {17, 30})
+            for (const std::uint64_t seed : {4, 5, 6})
+            {
+                Landmarks scene;
+                scene.add(shapes::ball_apart_from_a_floor({x, 5, z}, 9, seed), 1);
+                scene.scale(0.01);
+                const Orientation found = scene.orient();
+                EXPECT_TRUE(found.open);
+                EXPECT_EQ(scene.wrong(found), 0) << x << " " << z;
+                for (std::size_t i = 0; i < scene.points.size(); ++i)
+                    EXPECT_EQ(found.is_closed[i], i < scene.points.size() - 101 * 101) << x << " " << z;
+            }
+}
+
+TEST(OrientNormals, ATubeBesideAFloorIsNotClosed)
+{
+    OrientedSamples tube;
+    for (double z = 20; z < 50; ++z)
+        for (int k = 0; k < 50; ++k)
         {
-            Landmarks scene;
-            scene.add(shapes::ball_apart_from_a_floor(x, seed), 1);
-            scene.scale(0.01);
-            const Orientation found = scene.orient();
-            EXPECT_TRUE(found.open);
-            EXPECT_EQ(scene.wrong(found), 0) << x;
-            for (std::size_t i = 0; i < scene.points.size(); ++i)
-                EXPECT_EQ(found.is_closed[i], i < 1018) << x;
+            const Vector away(std::cos(2 * M_PI * k / 50), std::sin(2 * M_PI * k / 50), 0);
+            tube.points.push_back(Point(60, 0, z) + 8 * away);
+            tube.normals.push_back(away);
         }
+    Landmarks scene;
+    scene.add(shapes::ball_apart_from_a_floor({0, 0, 200}, 1, 4), 1); // the ball is too small to matter
+    scene.add(tube, 1);
+    scene.scale(0.01);
+    const Orientation found = scene.orient();
+    ASSERT_TRUE(found.open);
+    EXPECT_EQ(std::count(found.is_closed.end() - std::ptrdiff_t(tube.points.size()), found.is_closed.end(), 1), 0);
+}
+
+// Its own volume tells, though the ball is behind it.
+TEST(OrientNormals, ADomeOverABallFacesOutward)
+{
+    for (const std::uint64_t seed : {4, 5, 6})
+    {
+        const OrientedSamples all = even_sphere(5000, 20);
+        OrientedSamples dome;
+        for (std::size_t i = 0; i < all.points.size(); ++i)
+            if (all.points[i].z() > 6)
+            {
+                dome.points.push_back(all.points[i]);
+                dome.normals.push_back(all.normals[i]);
+            }
+        Landmarks scene;
+        scene.add(dome, 1);
+        scene.add(shapes::sphere(314, 5, seed), 1);
+        scene.scale(0.01);
+        const Orientation found = scene.orient();
+        ASSERT_TRUE(found.open);
+        EXPECT_EQ(scene.wrong(found), 0) << seed;
+    }
 }
 
 TEST(OrientNormals, CanBeCancelled)

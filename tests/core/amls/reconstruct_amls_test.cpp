@@ -64,6 +64,7 @@ Points egg_crate(int cells)
         }
     return points;
 }
+
 TriangleMesh mesh_of_scene(const Points& points, bool opens_holes)
 {
     AmlsReconstructionOptions options;

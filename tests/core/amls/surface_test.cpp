@@ -257,6 +257,17 @@ TEST(AmlsSurface, OrientsTwoScansThatDisagreeAndHaveHoles)
     }
 }
 
+// The floor faces the ball below it until it is turned up as a terrain, alone.
+TEST(AmlsSurface, ABallUnderALevelFloorFacesOutward)
+{
+    for (const double x : {20, 45, 60})
+    {
+        const OrientedSamples scene = shapes::ball_apart_from_a_floor({x, 5, -20}, 9, 4);
+        const AmlsProjection result = project_all(shapes::with_noise(scene.points, 0.2, 5));
+        EXPECT_GT(oriented_share(result, scene.normals), 0.995) << x;
+    }
+}
+
 TEST(AmlsSurface, ReportsWhatItFound)
 {
     const Points points = shapes::with_noise(shapes::sphere(20000, 1, 29).points, 0.01, 30);
