@@ -6,7 +6,7 @@
 #include "mesh_distance.h"
 #include "models.h"
 
-#include "filter_amls/project.h"
+#include "filter_amls/outward_normals.h"
 #include "filter_amls/reconstruct_amls.h"
 #include "filter_noisy_powercrust/keep_apart.h"
 #include "filter_noisy_powercrust/reconstruct.h"
@@ -175,8 +175,7 @@ OrientedSamples scan(Scene& scene, unsigned seed, int& things, int& scanners, do
 
 double share_right(const OrientedSamples& cloud)
 {
-    const AmlsSurface surface = build_amls_surface(cloud.points);
-    const Vectors found = project_to_amls(cloud.points, surface).normals;
+    const Vectors found = find_outward_normals(cloud.points).normals;
     int right = 0;
     for (std::size_t i = 0; i < found.size(); ++i)
         right += found[i].dot(cloud.normals[i]) > 0;

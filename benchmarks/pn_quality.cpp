@@ -5,8 +5,7 @@
 #include "mesh_distance.h"
 #include "pn_models.h"
 
-#include <filter_amls/project.h>
-#include <filter_amls/surface.h>
+#include <filter_amls/outward_normals.h>
 #include <filter_pn_refine/sharpen_normals.h>
 
 #include <Eigen/Geometry>
@@ -101,7 +100,7 @@ int main(int argc, char** argv)
                     input.normals[i] = face_normal(model.mesh, distance.nearest(input.points[i]).triangle);
             if (with_computed_normals)
             {
-                input.normals = recon::project_to_amls(input.points, recon::build_amls_surface(input.points)).normals;
+                input.normals = recon::find_outward_normals(input.points).normals;
                 if (options.detect_creases)
                     input.normals = recon::pn::sharpen_normals(input, options);
             }

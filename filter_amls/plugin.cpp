@@ -1,8 +1,7 @@
 #include "plugin_filters.h"
 
-void recon::plugin_filters::add_report(const AmlsSurface& surface, plugin::FilterResult& result)
+void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::FilterResult& result)
 {
-    const AmlsSurfaceReport& report = surface.report();
     result.values.emplace_back("noise", report.noise);
     result.values.emplace_back("spacing", report.spacing);
     result.values.emplace_back("width", report.width);

@@ -18,6 +18,6 @@ inline constexpr char citation[] = "See:<br><i>T. K. Dey, J. Sun</i><br>"
                                    "Eurographics Symposium on Geometry Processing 2005.<br>";
 
 /// Appends what was found while building the surface to the result values, and to the log what the user should know.
-void add_report(const AmlsSurface& surface, plugin::FilterResult& result);
+void add_report(const AmlsSurfaceReport& report, plugin::FilterResult& result);
 
 } // namespace recon::plugin_filters

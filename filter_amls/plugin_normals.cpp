@@ -2,6 +2,7 @@
 
 #include "delaunay_ball_normals.h"
 #include "local_feature_size.h"
+#include "outward_normals.h"
 #include "project.h"
 
 #include <meshlab/shared_parameters.h>
@@ -41,7 +42,8 @@ plugin::ParameterTable<Options> ball_table()
         .choice(
             "method", &Options::method, {"automatic", "paper"}, "Method",
             "automatic: points are averaged into cells, thinned to anchors, and the Delaunay balls of the anchors tell "
-            "inside from outside. paper: the biggest big Delaunay ball at each point.")
+            "inside from outside; of points without noise their own balls do. paper: the biggest big Delaunay ball at "
+            "each point.")
         .number("big_ball_ratio", &Options::big_ball_ratio, "Big ball ratio",
                 "Method 'paper' only: a ball is big if its radius exceeds this times the mean distance to the nearest "
                 "points (the paper's c = 2.5). 0: 2.5, but above the noise.")
@@ -98,10 +100,10 @@ plugin::FilterResult compute_normals(const plugin::InputLayer& layer, const Ball
         result.values.emplace_back("points_with_big_ball", found.with_big_ball);
         return result;
     }
-    const AmlsSurface surface = build_amls_surface(points, surface_options(options.threads), progress.part(0, 0.8, ""));
-    AmlsProjection projection = project(points, surface, options.threads, progress.part(0.8, 1, ""));
-    result.changed.normals = std::move(projection.normals);
-    add_report(surface, result);
+    recon::OutwardNormals found = find_outward_normals(points, surface_options(options.threads), progress);
+    result.changed.normals = std::move(found.normals);
+    add_report(found.surface, result);
+    result.values.emplace_back("exact", found.is_exact);
     return result;
 }
 
@@ -149,7 +151,7 @@ plugin::FilterResult compute_feature_size(const plugin::InputLayer& layer, const
             find_local_feature_size(projection.points, surface, measure, progress.part(0.7, 1, ""));
         poles = int(found.poles.size());
         sizes = std::move(found.at_query);
-        add_report(surface, result);
+        add_report(surface.report(), result);
     }
     const auto [smallest, largest] = std::minmax_element(sizes.begin(), sizes.end());
     result.values.emplace_back("min_feature_size", *smallest);

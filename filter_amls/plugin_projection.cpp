@@ -118,7 +118,7 @@ Projected project_to_anchors(const Points& queries, const Points& defining, cons
         how.cut_off = options.cut_off;
     const auto start = std::chrono::steady_clock::now();
     AmlsProjection found = project_to_amls(queries, surface, how, progress.part(0.7, 1, ""));
-    add_report(surface, result);
+    add_report(surface.report(), result);
     result.values.emplace_back("seconds_projection", seconds_since(start));
     result.values.emplace_back("points_on_local_plane", found.count(ProjectionStatus::fell_back));
     Projected projected;

@@ -5,6 +5,7 @@
 #include "feature_size.h"
 #include "orient.h"
 #include "robust_scale.h"
+#include "sides_of_thin_walls.h"
 #include "surface_data.h"
 
 #include <recon/block_search.h>
@@ -147,17 +148,24 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         landmarks.push_back(normals.feet[c]);
         landmark_normals.push_back(normals.normals[c]);
     }
-    Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads, progress);
+    Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads,
+                                             progress.part(0, 0.5, "Orientation"));
     if (orientation.open && terrain_faces_up && faces_down(landmarks, orientation, choice.landmark_spacing))
         turn_over(orientation.normals, orientation.is_closed);
-    if (given_normals.empty())
-        orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
-    else
+    if (!given_normals.empty())
     {
-        Vectors sorted;
-        for (int i : data.spatial.order)
-            sorted.push_back(given_normals[i]);
-        orient_by_given(data.cells, sorted, normals.normals);
+        orient_by_given(data.cells, points_at(data.spatial.order, given_normals), normals.normals);
+        return orientation;
+    }
+    orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
+    if (!orientation.open)
+    {
+        Vectors of_points;
+        for (const int c : data.cells.cell_of_point)
+            of_points.push_back(normals.normals[std::size_t(c)]);
+        if (const auto better = find_sides_of_thin_walls(data.points, of_points, orientation.contradicted, threads,
+                                                         progress.part(0.5, 1, "Sides of thin walls")))
+            orient_by_given(data.cells, *better, normals.normals);
     }
     return orientation;
 }
@@ -297,8 +305,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("orientation");
-    const Orientation orientation = orient(*data, choice, given_normals, options.terrain_faces_up, threads,
-                                           progress.part(0.35, 0.85, "Orientation"));
+    const Orientation orientation =
+        orient(*data, choice, given_normals, options.terrain_faces_up, threads, progress.part(0.35, 0.85));
 
     times.begin("fit");
     const AnchorStarts anchors = choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, threads);

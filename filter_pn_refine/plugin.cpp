@@ -1,8 +1,7 @@
 #include "refine.h"
 #include "sharpen_normals.h"
 
-#include <filter_amls/project.h>
-#include <filter_amls/surface.h>
+#include <filter_amls/outward_normals.h>
 
 #include <meshlab/filter_spec.h>
 #include <meshlab/shared_parameters.h>
@@ -78,12 +77,9 @@ recon::Vectors compute_normals(const recon::Points& points, int threads, const r
 {
     recon::AmlsOptions surface;
     surface.threads = threads;
-    recon::AmlsProjectionOptions projection;
-    projection.threads = threads;
     try
     {
-        const recon::AmlsSurface found = recon::build_amls_surface(points, surface, progress.part(0, 0.8, "normals"));
-        return recon::project_to_amls(points, found, projection, progress.part(0.8, 1, "normals")).normals;
+        return recon::find_outward_normals(points, surface, progress).normals;
     }
     catch (const recon::InvalidInput& problem) // of flat clouds, which can be refined all the same
     {

@@ -128,6 +128,34 @@ OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t 
     return samples;
 }
 
+OrientedSamples tube(int n, double radius, double wall, double half_length, std::uint64_t seed)
+{
+    Random random(seed);
+    OrientedSamples samples;
+    const double inner = radius - wall, middle = radius - wall / 2;
+    for (int i = 0; i < n; ++i)
+    {
+        const double angle = 2 * pi * uniform(random);
+        const Vector radial(std::cos(angle), std::sin(angle), 0);
+        const double share = uniform(random) * middle * (2 * half_length + wall);
+        if (share < 2 * middle * half_length)
+        {
+            const bool is_outer = share < radius * half_length;
+            samples.points.push_back((is_outer ? radius : inner) * radial +
+                                     Vector(0, 0, (2 * uniform(random) - 1) * half_length));
+            samples.normals.push_back(is_outer ? radial : Vector(-radial));
+        }
+        else
+        {
+            const double side = uniform(random) < 0.5 ? -1 : 1;
+            const double r = std::sqrt(inner * inner + (radius * radius - inner * inner) * uniform(random));
+            samples.points.push_back(r * radial + Vector(0, 0, side * half_length));
+            samples.normals.push_back({0, 0, side});
+        }
+    }
+    return samples;
+}
+
 double distance_to_sphere(const Point& p, double radius)
 {
     return std::abs(p.norm() - radius);

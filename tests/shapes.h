@@ -40,6 +40,8 @@ recon::OrientedSamples box(int n, const recon::Vector& sides, std::uint64_t seed
 recon::OrientedSamples ellipsoid(int n, const recon::Vector& half_axes, std::uint64_t seed);
 /// Cylinder of half length `half_length` along z with hemispherical caps.
 recon::OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t seed);
+/// Both sides and the ends of an open tube around the z axis.
+recon::OrientedSamples tube(int n, double radius, double wall, double half_length, std::uint64_t seed);
 /// The two faces of a square plate of `side` spacings, one sample a unit of area, jittered within the faces.
 recon::Points thin_plate(int side, double thickness, std::uint64_t seed);
 /// Such faces one above the other; a plate is two of them.

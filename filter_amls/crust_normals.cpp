@@ -1,0 +1,70 @@
+#include "crust_normals.h"
+
+#include <recon/block_search.h>
+#include <recon/crust.h>
+#include <recon/parallel.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace recon
+{
+namespace
+{
+
+/// Of the vertices of a closed mesh.
+Vectors list_vertex_normals(const TriangleMesh& mesh)
+{
+    Vectors normals(mesh.vertices.size(), Vector::Zero());
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+        {
+            const Point& corner = mesh.vertices[t[k]];
+            const Vector a = mesh.vertices[t[(k + 1) % 3]] - corner, b = mesh.vertices[t[(k + 2) % 3]] - corner;
+            const double lengths = a.squaredNorm() * b.squaredNorm();
+            if (lengths > 0)
+                normals[t[k]] += a.cross(b) / lengths;
+        }
+    for (Vector& normal : normals)
+        normal.normalize(); // that leaves zero vectors
+    // A vertex at which the mesh is folded takes the mean of those around.
+    Vectors around(normals.size(), Vector::Zero());
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+            around[t[k]] += normals[t[(k + 1) % 3]];
+    for (std::size_t v = 0; v < normals.size(); ++v)
+        if (normals[v].dot(around[v]) <= 0)
+            normals[v] = around[v].normalized();
+    return normals;
+}
+
+} // namespace
+
+CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labelled, int threads,
+                                const Progress& progress)
+{
+    CrustOptions options;
+    options.target_vertices = int(samples.size());
+    options.interpolated = &samples;
+    options.threads = threads;
+    const TriangleMesh crust = make_crust(labelled, options, progress);
+    const Vectors vertex_normals = list_vertex_normals(crust);
+    const BlockSearch search(crust.vertices);
+    CrustNormals result;
+    result.normals.resize(samples.size());
+    std::vector<char> is_missed(samples.size());
+    parallel_for(
+        samples.size(), threads, {},
+        [&](std::size_t i)
+        {
+            const auto v = std::size_t(search.nearest(samples[i]));
+            result.normals[i] = vertex_normals[v];
+            is_missed[i] = (crust.vertices[v] - samples[i]).norm() > 0.5 * labelled.spacing;
+        },
+        1024);
+    result.missed = int(std::count(is_missed.begin(), is_missed.end(), 1));
+    return result;
+}
+
+} // namespace recon

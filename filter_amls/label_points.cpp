@@ -1,0 +1,280 @@
+#include "label_points.h"
+
+#include "sample_surface.h"
+#include "surface_data.h"
+#include "thin_walls.h"
+
+#include <recon/back_sheets.h>
+#include <recon/block_search.h>
+#include <recon/cleanness.h>
+#include <recon/crust_mesh.h>
+#include <recon/errors.h>
+#include <recon/mismatch.h>
+
+#include <algorithm>
+#include <functional>
+
+namespace recon
+{
+namespace
+{
+
+/// Share of flat neighbours above which a cloud may be exact: clean clouds have 0.82 to 1 (but for the coarsest), those
+/// with noise of a sixth of the spacing 0.75 to 0.86, of a third 0.56 to 0.6.
+constexpr double flat_share = 0.8;
+/// Noise between these makes it noisy all the same [spacings, see NoiseEstimate::least_noise()]. Clean clouds have up
+/// to 0.094; more than the upper one leaves no flat neighbours, so thin walls read as noise there.
+constexpr double least_noise = 0.1, walls = 0.4;
+/// Cleanness::whiteness below which it is exact whatever the noise found, as where all is thin walls: 0 to 0.17 there,
+/// 0.18 and more with noise of a tenth of the spacing on any shape.
+constexpr double exact_whiteness = 0.15;
+
+/// Cleanness::least_roughness below which a clean cloud is exact, however coarse: there noise is found everywhere, but
+/// a quadric follows a tenth of the places closely. Coarse models have up to 0.048, with noise of a tenth of the
+/// spacing 0.051 to 0.091.
+constexpr double exact_roughness = 0.05;
+
+/// Noise found below which the surface passes through an exact cloud, so that its normals are those of the points:
+/// domes, saddles and waves have up to .004, a bust whose folds it rounds off .08 [spacings].
+constexpr double resolved = 0.02;
+
+/// Isolated points farther from the others are no part of an exact cloud; nearer ones may be, where it is sparse
+/// [diagonals of the others].
+constexpr double strange_distance = 0.25;
+
+/// The distinct points, in spatial order as indices of the input, but for isolated ones far from the others.
+std::vector<int> list_without_strangers(const Points& points, const AmlsSurface::Data& data)
+{
+    const auto is_isolated = [&](std::size_t i)
+    { return data.cell_normals.kinds[std::size_t(data.cells.cell_of_point[i])] == CellKind::outlier; };
+    const std::size_t n = data.points.size();
+    Points others;
+    for (std::size_t i = 0; i < n; ++i)
+        if (!is_isolated(i))
+            others.push_back(points[std::size_t(data.spatial.order[i])]);
+    if (others.size() == n)
+        return data.spatial.order;
+    const BlockSearch search(others);
+    const double reach = strange_distance * UnitFrame(others).scale();
+    std::vector<int> kept;
+    for (std::size_t i = 0; i < n; ++i)
+    {
+        const int k = data.spatial.order[i];
+        const Point& p = points[std::size_t(k)];
+        if (!is_isolated(i) || (others[std::size_t(search.nearest(p))] - p).norm() <= reach)
+            kept.push_back(k);
+    }
+    return kept;
+}
+
+void take(LabelledSamples& found, BackedSheets backed)
+{
+    found.samples = std::move(backed.samples);
+    found.labelled = std::move(backed.labelled);
+    found.backs = backed.backs;
+    found.lost_sheets = backed.share;
+}
+
+/// With samples behind sheets that have the outside on both sides and are lost in a cloud that is whole otherwise.
+void back_some_sheets(LabelledSamples& found, const LostSheets& lost, bool oriented,
+                      const std::function<Vectors(const Progress&)>& list_normals,
+                      const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    if (std::optional<BackedSheets> backed =
+            label_with_backs(lost, found.samples, oriented, list_normals, found.labelled, labelling, times, progress))
+        take(found, std::move(*backed));
+}
+
+/// With samples behind sheets that have the outside on both sides, where that is what the votes object to, or in a
+/// scene with a ground. \param violated_as_exact share of votes that labels of the points as they are violate, if these
+/// were found.
+void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_open, double violated_as_exact,
+                      const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
+    LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
+    const bool has_ground = is_open && add_ground(found.samples, normals, lost);
+    const auto back_some = [&]
+    {
+        const auto list_normals = [&](const Progress&) { return normals; };
+        back_some_sheets(found, lost, true, list_normals, labelling, times, progress);
+    };
+    if (!has_ground && (violated <= open_behind_with_normals || !may_be_a_sheet(lost, is_open, violated)))
+        return back_some();
+    Points samples = found.samples;
+    Vectors all_normals = normals;
+    const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
+    LabelledBalls backed = label_polar_balls(samples, all_normals, labelling, times, progress);
+    if (!has_ground && backed.violated_votes > clearly_backed * violated)
+        return back_some();
+    take(found, {std::move(samples), std::move(all_normals), std::move(backed), backs, has_ground ? 0 : lost.share});
+}
+
+/// Samples of the surface, labelled with its normals. \param violated_as_exact see back_lost_sheets().
+LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, double violated_as_exact,
+                              const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    times.begin("projection");
+    SurfaceSamples sampled =
+        sample_amls_surface(points, surface, labelling.threads, progress.part(0, 0.2, "AMLS projection"));
+    if (sampled.samples.points.size() < 4)
+        throw AlgorithmFailure("No surface was found among the points: all but " +
+                               std::to_string(sampled.samples.points.size()) +
+                               " are isolated. Use a denser cloud, or select the part to reconstruct.");
+    // Not that of all points: one at the origin of a far coordinate system leaves the others a millionth of it.
+    const UnitFrame frame(sampled.outliers > 0 ? sampled.samples.points : points);
+    Points samples = frame.to_unit(sampled.samples.points);
+    const Vectors& normals = sampled.samples.normals;
+    LabelledBalls labelled =
+        label_polar_balls(samples, normals, labelling, times, progress.part(0.2, 0.6, "polar balls"));
+    LabelledSamples found{frame, std::move(samples),        std::move(labelled), sampled.outliers,
+                          false, std::move(sampled.claimed)};
+    back_lost_sheets(found, normals, surface.report().open, violated_as_exact, labelling, times,
+                     progress.part(0.6, 1, "backs of sheets"));
+    return found;
+}
+
+/// Whether points are exact as far as can be told.
+bool looks_exact(const Cleanness& cleanness, double least_noise_found)
+{
+    if (cleanness.is_smooth_but_noisy() || cleanness.is_noisy_in_parts())
+        return false;
+    if (cleanness.is_clean() && cleanness.least_roughness < exact_roughness)
+        return true;
+    return cleanness.flat_neighbours > flat_share &&
+           (least_noise_found < least_noise || least_noise_found > walls || cleanness.whiteness < exact_whiteness);
+}
+
+/// Exact points over a ground, labelled with the surface's normals: without them the ground's votes, which no ball
+/// below it answers, cancel and make it lace. None if there is no ground.
+std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const Points& samples, const Vectors& normals,
+                                                 int isolated, const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                 const Progress& progress)
+{
+    LostSheets none;
+    if (!add_ground(samples, normals, none))
+        return {};
+    LabelledBalls labelled =
+        label_polar_balls(samples, normals, labelling, times, progress.part(0, 0.5, "polar balls"));
+    LabelledSamples found{frame, samples, std::move(labelled), isolated, true};
+    back_lost_sheets(found, normals, true, 0, labelling, times, progress.part(0.5, 1, "backs of sheets"));
+    found.is_settled = true;
+    return found;
+}
+
+/// How far the crust of the labels and the points part.
+double measure_mismatch(const LabelledSamples& found, const Points& points, int threads)
+{
+    const LabelledBalls& labelled = found.labelled;
+    const TriangleMesh crust =
+        triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
+    return measure_mismatch(found.frame.to_unit(points), crust, threads).sum();
+}
+
+/// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
+/// not exact as far as can be told, or too open.
+std::optional<LabelledSamples> label_exact_points(const Points& points, const AmlsSurface& surface,
+                                                  const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                  const Progress& progress)
+{
+    times.begin("gate");
+    const std::vector<int> kept = list_without_strangers(points, surface.data());
+    const int isolated = int(surface.data().points.size() - kept.size());
+    Points distinct = points_at(kept, points);
+    // Not that of all points, see label_surface().
+    const UnitFrame frame(isolated > 0 ? distinct : points);
+    distinct = frame.to_unit(distinct);
+    const AmlsSurfaceReport& report = surface.report();
+    const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
+    if (!looks_exact(cleanness, report.least_noise))
+        return {};
+    std::optional<Vectors> known; // asked for up to three times
+    const auto list_normals = [&](const Progress& part)
+    {
+        if (!known)
+            known = points_at(kept, list_surface_normals(points, surface, labelling.threads, part));
+        return *known;
+    };
+    if (report.open)
+        if (auto scene = label_exact_scene(frame, distinct, list_normals(progress.part(0, 0.1)), isolated, labelling,
+                                           times, progress.part(0.1, 1)))
+            return scene;
+    LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
+    // So open a cloud, as a shallow dome, needs the surface's normals, which are those of the points where it passes
+    // through them.
+    if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)
+        labelled =
+            label_polar_balls(distinct, list_normals({}), labelling, times, progress.part(0.5, 1, "polar balls"));
+    if (labelled.violated_votes > flooded_above)
+        return {};
+    if (std::optional<LabelledBalls> better = label_thin_walls(distinct, cleanness.stacked, list_normals, labelling,
+                                                               labelled, times, progress.part(0.5, 1, "thin walls")))
+        labelled = std::move(*better);
+    LabelledSamples found{frame, std::move(distinct), std::move(labelled), isolated, true};
+    found.least_roughness = cleanness.least_roughness;
+    const LostSheets lost = find_lost_sheets(found.samples, found.labelled, false, labelling.threads);
+    if (lost.largest <= bearable_lost)
+        back_some_sheets(found, lost, false, list_normals, labelling, times, progress.part(0.5, 1, "backs of sheets"));
+    return found;
+}
+
+/// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and
+/// that of the surface's samples does less: then these.
+LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& points, const AmlsSurface& surface,
+                                        const BallLabellingOptions& labelling, PhaseTimes& times,
+                                        const Progress& progress)
+{
+    const double violated = exact.labelled.violated_votes;
+    if (exact.is_settled || violated <= suspicious_votes)
+        return exact;
+    times.begin("mismatch");
+    const double mismatch = measure_mismatch(exact, points, labelling.threads);
+    const bool has_lost_sheets =
+        violated > open_behind &&
+        find_lost_sheets(exact.samples, exact.labelled, false, labelling.threads).largest > bearable_lost;
+    if (mismatch <= bearable_mismatch && !has_lost_sheets)
+        return exact;
+    LabelledSamples projected =
+        label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress);
+    times.begin("mismatch");
+    // Backs of sheets are bare.
+    const bool is_better = has_lost_sheets && projected.lost_sheets > 0
+                               ? projected.labelled.violated_votes <= clearly_backed * violated
+                               : projected.labelled.violated_votes < violated &&
+                                     measure_mismatch(projected, points, labelling.threads) < mismatch;
+    return is_better ? std::move(projected) : std::move(exact);
+}
+
+} // namespace
+
+BallLabellingOptions options_for_labels(int threads)
+{
+    BallLabellingOptions options;
+    options.share_balls = true;              // the crust goes through the samples
+    options.limit = BallLimit::fewest_votes; // of exact points
+    options.threads = threads;
+    return options;
+}
+
+LabelledSamples label_points(const Points& points, const AmlsSurface& surface, bool may_be_exact,
+                             const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    std::optional<LabelledSamples> exact;
+    if (may_be_exact)
+        exact = label_exact_points(points, surface, labelling, times, progress.part(0, 0.5));
+    if (!exact)
+        return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 1));
+    return label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
+}
+
+std::optional<LabelledSamples> label_only_exact_points(const Points& points, const AmlsSurface& surface,
+                                                       const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                       const Progress& progress)
+{
+    std::optional<LabelledSamples> exact = label_exact_points(points, surface, labelling, times, progress.part(0, 0.5));
+    if (exact)
+        exact = label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
+    return exact && exact->is_exact ? std::move(exact) : std::nullopt;
+}
+
+} // namespace recon

@@ -1,0 +1,151 @@
+#include "filter_amls/outward_normals.h"
+
+#include "filter_amls/project.h"
+#include "project_all.h"
+#include "tests/shapes.h"
+
+#include <recon/errors.h>
+
+#include <gtest/gtest.h>
+
+using namespace recon;
+
+namespace
+{
+
+double share_right(const Vectors& normals, const OrientedSamples& truth)
+{
+    int right = 0;
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        right += normals[i].dot(truth.normals[i]) > 0;
+    return double(right) / double(normals.size());
+}
+
+double mean_cosine(const Vectors& normals, const OrientedSamples& truth)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        sum += normals[i].dot(truth.normals[i]);
+    return sum / double(normals.size());
+}
+
+constexpr double tube_spacing = 0.095;
+
+/// Walls of 1.3 spacings.
+OrientedSamples thin_tube(std::uint64_t seed)
+{
+    return shapes::tube(4000, 1, 1.3 * tube_spacing, 1.5, seed);
+}
+
+} // namespace
+
+TEST(OutwardNormals, ThinWallsOfExactPointsFaceOutwardOnBothSides)
+{
+    const OrientedSamples tube = thin_tube(3);
+    const OutwardNormals found = find_outward_normals(tube.points);
+    EXPECT_TRUE(found.is_exact);
+    EXPECT_GT(share_right(found.normals, tube), 0.99);
+    for (const Vector& n : found.normals)
+        EXPECT_NEAR(n.norm(), 1, 1e-9);
+}
+
+// Whose cells mix both sides: half of the normals were wrong.
+TEST(OutwardNormals, ThinWallsOfNoisyPointsFaceOutwardOnBothSides)
+{
+    const OrientedSamples tube = thin_tube(3);
+    for (const double spacings : {0.05, 0.15})
+    {
+        const OutwardNormals found = find_outward_normals(shapes::with_noise(tube.points, spacings * tube_spacing, 4));
+        EXPECT_FALSE(found.is_exact);
+        EXPECT_GT(share_right(found.normals, tube), 0.96) << spacings;
+    }
+}
+
+// As the vertices of a coarse model: the surface's cells mix both sides at the rim.
+TEST(OutwardNormals, AreThoseOfTheCrustWhereExactPointsAreCoarse)
+{
+    const OrientedSamples lens = shapes::ellipsoid(400, {1, 0.5, 0.1}, 3);
+    const OutwardNormals found = find_outward_normals(lens.points);
+    EXPECT_TRUE(found.is_exact);
+    EXPECT_EQ(share_right(found.normals, lens), 1);
+    EXPECT_GT(mean_cosine(found.normals, lens), 0.98);
+    const Vectors of_surface = project_all(lens.points).normals;
+    EXPECT_LT(share_right(of_surface, lens), 0.99);
+    EXPECT_LT(mean_cosine(of_surface, lens), 0.95);
+}
+
+// Walls of 2.2 spacings whose crust is a solid ball that misses all points of the inside; the surface is right.
+TEST(OutwardNormals, ACrustThatFillsWallsIsNotBelieved)
+{
+    OrientedSamples shell = shapes::sphere(5000, 0.9, 3);
+    const OrientedSamples inside = shapes::sphere(4000, 0.8, 4);
+    for (std::size_t i = 0; i < inside.points.size(); ++i)
+    {
+        shell.points.push_back(inside.points[i]);
+        shell.normals.emplace_back(-inside.normals[i]);
+    }
+    const Vectors found = find_outward_normals(shapes::with_noise(shell.points, 0.25 * 0.045, 5)).normals;
+    EXPECT_GT(share_right(found, shell), 0.99);
+}
+
+// One of these samples is a vertex at which the crust is folded.
+TEST(OutwardNormals, FoldsOfTheCrustHaveNoSay)
+{
+    const OrientedSamples ellipsoid = shapes::ellipsoid(3000, {1, 0.6, 0.3}, 2);
+    EXPECT_EQ(share_right(find_outward_normals(ellipsoid.points).normals, ellipsoid), 1);
+}
+
+TEST(OutwardNormals, AreAsCloseWhereTheSurfaceIsSmooth)
+{
+    const OrientedSamples torus = shapes::torus(3000, 1, 0.4, 7);
+    const OutwardNormals found = find_outward_normals(torus.points);
+    EXPECT_TRUE(found.is_exact);
+    const Vectors smooth = project_all(torus.points).normals;
+    for (std::size_t i = 0; i < smooth.size(); ++i)
+        EXPECT_GT(found.normals[i].dot(torus.normals[i]), 0.9) << i;
+    EXPECT_GT(mean_cosine(found.normals, torus), mean_cosine(smooth, torus) - 5e-5);
+}
+
+TEST(OutwardNormals, AreThoseOfTheSurfaceWherePointsAreNoisyOrOpen)
+{
+    const Points noisy = shapes::with_noise(shapes::torus(3000, 1, 0.4, 7).points, 0.02, 8);
+    const Points open = shapes::sphere_below(-0.2, 3000, 1, 9);
+    for (const Points& points : {noisy, open})
+    {
+        const OutwardNormals found = find_outward_normals(points);
+        EXPECT_FALSE(found.is_exact);
+        EXPECT_EQ(found.normals, project_all(points).normals);
+    }
+    EXPECT_TRUE(find_outward_normals(open).surface.open);
+}
+
+TEST(OutwardNormals, AreThoseOfTheSurfaceWhereTheUserKnowsTheNoise)
+{
+    const OrientedSamples tube = thin_tube(3);
+    AmlsOptions options;
+    options.noise = 0.01;
+    EXPECT_FALSE(find_outward_normals(tube.points, options).is_exact);
+}
+
+TEST(OutwardNormals, DoNotDependOnThreadsNorOnTheOrder)
+{
+    const OrientedSamples tube = thin_tube(5);
+    AmlsOptions options;
+    options.threads = 1;
+    const Vectors once = find_outward_normals(tube.points, options).normals;
+    options.threads = 3;
+    EXPECT_EQ(find_outward_normals(tube.points, options).normals, once);
+    const Points reversed(tube.points.rbegin(), tube.points.rend());
+    const Vectors turned = find_outward_normals(reversed, options).normals;
+    EXPECT_EQ(Vectors(turned.rbegin(), turned.rend()), once);
+}
+
+TEST(OutwardNormals, RefuseFlatInputAndStopWhenAsked)
+{
+    EXPECT_THROW(find_outward_normals(Points(5, Point(1, 2, 3))), InvalidInput);
+    for (const double share : {0.2, 0.55, 0.7, 0.9})
+        EXPECT_THROW(find_outward_normals(thin_tube(3).points, {},
+                                          Progress([&](double done, const std::string&) { return done < share; })),
+                     Cancelled)
+            << share;
+}
