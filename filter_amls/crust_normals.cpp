@@ -48,10 +48,10 @@ CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labe
     options.target_vertices = int(samples.size());
     options.interpolated = &samples;
     options.threads = threads;
-    const TriangleMesh crust = make_crust(labelled, options, progress);
-    const Vectors vertex_normals = list_vertex_normals(crust);
-    const BlockSearch search(crust.vertices);
     CrustNormals result;
+    result.crust = make_crust(labelled, options, progress);
+    const Vectors vertex_normals = list_vertex_normals(result.crust);
+    const BlockSearch search(result.crust.vertices);
     result.normals.resize(samples.size());
     std::vector<char> is_missed(samples.size());
     parallel_for(
@@ -60,7 +60,7 @@ CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labe
         {
             const auto v = std::size_t(search.nearest(samples[i]));
             result.normals[i] = vertex_normals[v];
-            is_missed[i] = (crust.vertices[v] - samples[i]).norm() > 0.5 * labelled.spacing;
+            is_missed[i] = (result.crust.vertices[v] - samples[i]).norm() > 0.5 * labelled.spacing;
         },
         1024);
     result.missed = int(std::count(is_missed.begin(), is_missed.end(), 1));

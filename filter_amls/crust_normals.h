@@ -10,6 +10,7 @@ namespace recon
 /// What a crust tells of the samples that it was made of.
 struct CrustNormals
 {
+    TriangleMesh crust;
     Vectors normals; ///< Outward, of unit length; zero where the crust has none.
     int missed =
         0; ///< Samples that are more than half a spacing from every vertex, as where walls were filled [count].

@@ -6,6 +6,7 @@
 #include <recon/cleanness.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
+#include <recon/mismatch.h>
 #include <recon/parallel.h>
 
 namespace recon
@@ -16,9 +17,10 @@ namespace
 /// Share of what was known about sides that is contradicted where walls may be mixed up: 0.014 to 0.04 on walls of 1.3
 /// to 2 spacings.
 constexpr double mixed_sides = 0.012;
-/// Roughness exceeded nearly everywhere above which the crust is in shreds [spacings]: thin walls have up to 0.33 with
-/// noise of 0.3, and 0.34 to 0.4 with 0.7.
-constexpr double much_noise = 0.34;
+/// Cleanness::least_roughness above which, and Cleanness::flat_neighbours below which the crust is in shreds: thin
+/// walls have up to 0.33 and at least 0.5 with noise of 0.3 spacings; 0.34 to 0.4 with 0.7, and 0.37 to 0.5 in clouds
+/// of noisy copies.
+constexpr double much_noise = 0.34, few_flat = 0.5;
 /// Share of violated votes above which the crust is not trusted; it is wrong from 0.055 on, mostly.
 constexpr double bearable_votes = 0.06;
 /// Share of samples that the crust misses above which it has filled walls: 0.08 to 0.3 then, else 0.009 at most.
@@ -30,9 +32,12 @@ constexpr double different_sides = 0.09;
 } // namespace
 
 std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& normals, double contradicted,
-                                                int threads, const Progress& progress)
+                                                bool open, int threads, const Progress& progress)
 {
-    if (contradicted <= mixed_sides || measure_cleanness(points, threads).least_roughness > much_noise)
+    if (contradicted <= mixed_sides)
+        return {};
+    const Cleanness cleanness = measure_cleanness(points, threads);
+    if (cleanness.least_roughness > much_noise || cleanness.flat_neighbours < few_flat)
         return {};
     PhaseTimes times;
     const LabelledBalls labelled =
@@ -53,6 +58,8 @@ std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vect
     for (std::size_t i = 0; i < points.size(); ++i)
         different += crust.normals[i].dot(normals[i]) < 0;
     if (crust.missed > missed_share * count || different <= different_sides * count)
+        return {};
+    if (open && measure_bare_area(points, crust.crust, threads) > bare_lid)
         return {};
     return std::move(crust.normals);
 }

@@ -11,9 +11,10 @@ namespace recon
 /// Outward normals that know the sides of thin walls better than those of the cells do, which average both: of the
 /// crust through the points as they are. None where the ties between anchors hardly contradict each other, where the
 /// points are too noisy for such a crust, where it contradicts them or has filled the walls, or where both tell the
-/// same but for a few points. \param points distinct, in the unit frame and spatial order. \param normals those of the
-/// points' cells, one each. \param contradicted see Orientation::contradicted. \throws Cancelled.
+/// same but for a few points; of points that read as an open sheet also where it has lids. \param points distinct, in
+/// the unit frame and spatial order. \param normals those of the points' cells, one each. \param contradicted see
+/// Orientation::contradicted. \throws Cancelled.
 std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& normals, double contradicted,
-                                                int threads, const Progress& progress = {});
+                                                bool open, int threads, const Progress& progress = {});
 
 } // namespace recon
