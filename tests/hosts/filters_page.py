@@ -45,7 +45,10 @@ TOPOLOGY = {
 BIG_BALLS = {"points_with_big_ball": "method 'paper': points that have a big ball of their own"}
 OUTLIERS = {"outliers": "points far from any surface"}
 VALUES = {
-    "compute_normal_from_delaunay_balls": {**SURFACE, **BIG_BALLS},
+    "compute_normal_from_delaunay_balls": {
+        **SURFACE, **BIG_BALLS,
+        "exact": "the points are free of noise, so that a crust through them had a say",
+    },
     "compute_scalar_by_local_feature_size": {
         **SURFACE,
         "min_feature_size": "smallest value", "median_feature_size": "median value", "max_feature_size": "largest value",

@@ -1,0 +1,131 @@
+// Sides of thin walls, and of the vertices of coarse models.
+// amls_sides <seed> [model.ply...]
+// Without models one Markdown row per tube of thin walls: share of samples whose normal is right (filter "Compute
+// normals"), volume over the true one of AMLS's reconstruction and of the power crust. With models one row each, of
+// their vertices as they are: share right and mean angle [degrees] of the AMLS surface's normals and of the filter's,
+// against the mesh's.
+#include "models.h"
+
+#include "filter_amls/outward_normals.h"
+#include "filter_amls/project.h"
+#include "filter_amls/reconstruct_amls.h"
+#include "filter_noisy_powercrust/reconstruct.h"
+#include "tests/checks.h"
+#include "tests/shapes.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+
+using namespace benchmarks;
+using namespace recon;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+
+/// Angle-weighted; vertices without triangles are left out.
+OrientedSamples list_vertices(const Model& model)
+{
+    const Points& vertices = model.mesh.vertices;
+    Vectors sums(vertices.size(), Vector::Zero());
+    for (const auto& t : model.mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+        {
+            const Vector a = vertices[t[(k + 1) % 3]] - vertices[t[k]], b = vertices[t[(k + 2) % 3]] - vertices[t[k]];
+            const Vector normal = a.cross(b);
+            if (normal.norm() > 0)
+                sums[t[k]] += std::atan2(normal.norm(), a.dot(b)) * normal.normalized();
+        }
+    OrientedSamples result;
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+        if (sums[v].norm() > 1e-9)
+        {
+            result.points.push_back(vertices[v]);
+            result.normals.push_back(std::copysign(1, model.volume) * sums[v].normalized());
+        }
+    return result;
+}
+
+struct Rightness
+{
+    double share, angle; ///< [0..1], mean [degrees].
+};
+
+Rightness compare(const Vectors& found, const Vectors& truth)
+{
+    Rightness result{0, 0};
+    for (std::size_t i = 0; i < found.size(); ++i)
+    {
+        const double cosine = std::clamp(found[i].dot(truth[i]), -1.0, 1.0);
+        result.share += cosine > 0;
+        result.angle += std::acos(cosine) * 180 / pi;
+    }
+    result.share /= double(found.size());
+    result.angle /= double(found.size());
+    return result;
+}
+
+void print_model(const std::string& path)
+{
+    const OrientedSamples vertices = list_vertices(load_model(path));
+    const Vectors of_surface = project_to_amls(vertices.points, build_amls_surface(vertices.points)).normals;
+    const Rightness surface = compare(of_surface, vertices.normals);
+    const OutwardNormals found = find_outward_normals(vertices.points);
+    const Rightness filter = compare(found.normals, vertices.normals);
+    std::printf("| %s | %zu | %.4f | %.1f | %.4f | %.1f | %s |\n", std::filesystem::path(path).stem().c_str(),
+                vertices.points.size(), surface.share, surface.angle, filter.share, filter.angle,
+                found.is_exact ? "yes" : "no");
+}
+
+/// \param wall, noise [spacings]
+void print_tube(double wall, double noise, unsigned seed)
+{
+    constexpr int samples = 4000;
+    constexpr double radius = 1, half_length = 1.5;
+    const double spacing = std::sqrt(8 * pi * radius * half_length / samples); // nearly
+    const OrientedSamples tube = shapes::tube(samples, radius, wall * spacing, half_length, seed);
+    const Points cloud = noise > 0 ? shapes::with_noise(tube.points, noise * spacing, seed + 1) : tube.points;
+    const double middle = radius - wall * spacing / 2;
+    const double volume = 4 * pi * middle * wall * spacing * half_length;
+    const TriangleMesh amls = reconstruct_amls(cloud).mesh, crust = reconstruct_noisy_power_crust(cloud).mesh;
+    std::printf("| %.1f | %.2f | %.4f | %.3f | %.3f |\n", wall, noise,
+                compare(find_outward_normals(cloud).normals, tube.normals).share,
+                checks::examine_mesh(amls).volume / volume, checks::examine_mesh(crust).volume / volume);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    if (argc < 2)
+    {
+        std::fprintf(stderr, "amls_sides <seed> [model.ply...]\n");
+        return 2;
+    }
+    if (argc == 2)
+    {
+        std::printf("| wall | noise | normals right | AMLS: volume | power crust: volume |\n|---|---|---|---|---|\n");
+        for (const double wall : {1.3, 1.6, 2.0})
+            for (const double noise : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3})
+                print_tube(wall, noise, unsigned(std::atoi(argv[1])));
+        return 0;
+    }
+    std::printf("| model | vertices | surface: right | angle | filter: right | angle | exact |\n"
+                "|---|---|---|---|---|---|---|\n");
+    for (int k = 2; k < argc; ++k)
+        try
+        {
+            print_model(argv[k]);
+        }
+        catch (const std::exception& problem)
+        {
+            std::printf("| %s | %s |\n", argv[k], problem.what());
+        }
+}
