@@ -42,7 +42,7 @@ plugin::ParameterTable<Options> ball_table()
         .choice(
             "method", &Options::method, {"automatic", "paper"}, "Method",
             "automatic: points are averaged into cells, thinned to anchors, and the Delaunay balls of the anchors tell "
-            "inside from outside; of points without noise their own balls do. paper: the biggest big Delaunay ball at "
+            "inside from outside. paper: the biggest big Delaunay ball at "
             "each point.")
         .number("big_ball_ratio", &Options::big_ball_ratio, "Big ball ratio",
                 "Method 'paper' only: a ball is big if its radius exceeds this times the mean distance to the nearest "
@@ -179,7 +179,8 @@ plugin::FilterSpec recon::plugin_filters::describe_normals()
     spec.info =
         std::string("Computes <b>outward unit normals</b> of a point cloud that may be <b>noisy</b> and has no "
                     "normals yet. Which side is outside follows from the Delaunay balls of the cloud, not from a "
-                    "viewpoint or from walking over neighbours. Points are not moved.<br><br>") +
+                    "viewpoint or from walking over neighbours; where points are free of noise, from a crust through "
+                    "all of them, which knows both sides of thin walls. Points are not moved.<br><br>") +
         citation;
     spec.category = plugin::Category::normal | plugin::Category::point_set;
     spec.effects = plugin::Effect::changes_normals;
