@@ -12,23 +12,13 @@
 #include <recon/trim.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace recon
 {
 namespace
 {
-
-/// Whether bare lids seem to close what walls hold that were taken for noise.
-bool seems_filled(const Points& points, const TriangleMesh& mesh, const LabelledSamples& found, double noise,
-                  int threads)
-{
-    const TriangleMesh crust{found.frame.to_unit(mesh.vertices), mesh.triangles, {}};
-    if (noise < least_noise_of_walls * found.labelled.spacing * found.frame.scale() ||
-        measure_bare_area(found.samples, crust, threads) <= bare_lid)
-        return false;
-    const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
-    return !measure_noise_misfit(claimed, crust, noise / found.frame.scale(), threads).is_noise();
-}
 
 /// Over holes of the scan. \param is_on_surface loses the vertices that move.
 void draw_closings_taut(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads)
@@ -57,28 +47,52 @@ void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, std::vect
     is_on_surface = std::move(left);
 }
 
-} // namespace
-
-AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
-                                    const Progress& progress)
+/// A mesh of the points denoised as if they had a given noise.
+struct Attempt
 {
-    AmlsReconstruction result;
-    PhaseTimes times;
+    AmlsSurface surface;
+    LabelledSamples found;
+    TriangleMesh mesh = {};
+    std::vector<char> is_on_surface = {}; ///< Per vertex.
+    DroppedBodies dropped = {};
+    bool is_filled = false; ///< See seems_filled().
+};
+
+bool has_lids(const Attempt& attempt, int threads)
+{
+    const LabelledSamples& found = attempt.found;
+    const TriangleMesh crust{found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
+    return measure_bare_area(found.samples, crust, threads) > bare_lid;
+}
+
+/// Whether bare lids seem to close what walls hold that were taken for noise.
+bool seems_filled(const Points& points, const Attempt& attempt, int threads)
+{
+    const LabelledSamples& found = attempt.found;
+    const double noise = attempt.surface.report().noise / found.frame.scale();
+    if (noise < least_noise_of_walls * found.labelled.spacing || !has_lids(attempt, threads))
+        return false;
+    const TriangleMesh crust{found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
+    const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
+    return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
+}
+
+/// \param noise 0 = estimate.
+Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise, PhaseTimes& times,
+                     const Progress& progress)
+{
     times.begin("surface");
     AmlsOptions surface_options;
     surface_options.rho_e = options.rho_e;
-    surface_options.noise = options.noise;
+    surface_options.noise = noise;
     surface_options.threads = options.threads;
     surface_options.terrain_faces_up = false; // see there
-    const AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.3, "AMLS surface"));
-    result.surface = surface.report();
-
+    AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"));
     const BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));
-    LabelledSamples found =
-        label_points(points, surface, options.noise == 0, labelling, times, progress.part(0.3, 0.75, "labels"));
-    result.outliers = found.outliers;
-    result.samples = int(found.samples.size()) - found.backs;
-    result.violated_votes = found.labelled.violated_votes;
+    LabelledSamples labelled =
+        label_points(points, surface, noise == 0, labelling, times, progress.part(0.4, 0.8, "labels"));
+    Attempt attempt{std::move(surface), std::move(labelled)};
+    const LabelledSamples& found = attempt.found;
     times.begin("crust");
     CrustOptions crust;
     crust.keep_components = options.keep_components;
@@ -86,34 +100,70 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     crust.target_vertices = int(found.samples.size());
     crust.interpolated = &found.samples;
     crust.threads = labelling.threads;
-    DroppedBodies dropped;
-    result.mesh = make_crust(found.labelled, crust, progress.part(0.75, 0.85, "crust"), &dropped);
-    for (const std::string& text : {describe(dropped), describe_violation(result.violated_votes)})
+    attempt.mesh = make_crust(found.labelled, crust, progress.part(0.8, 0.9, "crust"), &attempt.dropped);
+    found.frame.from_unit_in_place(attempt.mesh.vertices);
+    attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
+    if (!found.is_exact)
+    {
+        times.begin("smooth");
+        attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
+                                            progress.part(0.9, 1, "projection of the mesh"));
+        attempt.is_filled = seems_filled(points, attempt, labelling.threads);
+    }
+    return attempt;
+}
+
+/// Walls of one to two spacings read as noise: half of it, a quarter, an eighth, until there are no lids.
+void look_for_walls(Attempt& best, const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
+                    const Progress& progress)
+{
+    constexpr int halvings = 3;
+    const double noise = best.surface.report().noise;
+    for (int i = 0; i < halvings && best.is_filled; ++i)
+    {
+        Attempt finer = attempt_mesh(points, options, std::ldexp(noise, -1 - i), times,
+                                     progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise"));
+        if (!has_lids(finer, resolve_threads(options.threads)))
+            best = std::move(finer);
+    }
+}
+
+} // namespace
+
+AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
+                                    const Progress& progress)
+{
+    AmlsReconstruction result;
+    PhaseTimes times;
+    Attempt attempt = attempt_mesh(points, options, options.noise, times, progress.part(0, 0.7));
+    if (options.noise == 0)
+        look_for_walls(attempt, points, options, times, progress.part(0.7, 0.95));
+    const LabelledSamples& found = attempt.found;
+    result.surface = attempt.surface.report();
+    result.outliers = found.outliers;
+    result.samples = int(found.samples.size()) - found.backs;
+    result.violated_votes = found.labelled.violated_votes;
+    result.mesh = std::move(attempt.mesh);
+    std::vector<char>& is_on_surface = attempt.is_on_surface;
+    for (const std::string& text : {describe(attempt.dropped), describe_violation(result.violated_votes)})
         if (!text.empty())
             result.warnings.push_back(text);
     if (found.lost_sheets > 0)
         result.warnings.push_back(describe_backs(found.lost_sheets));
-    found.frame.from_unit_in_place(result.mesh.vertices);
-    std::vector<char> is_on_surface(result.mesh.vertices.size(), 0);
-    if (!found.is_exact)
-    {
-        times.begin("smooth");
-        is_on_surface =
-            smooth_mesh(result.mesh, surface, options.threads, progress.part(0.85, 0.95, "projection of the mesh"));
-        if (seems_filled(points, result.mesh, found, result.surface.noise, labelling.threads))
-            result.warnings.push_back(
-                std::string(lost_walls_text) +
-                " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
-    }
+    if (attempt.is_filled)
+        result.warnings.push_back(
+            std::string(lost_walls_text) +
+            " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
+    const int threads = resolve_threads(options.threads);
     times.begin("closing");
-    draw_closings_taut(result.mesh, found, is_on_surface, labelling.threads);
+    draw_closings_taut(result.mesh, found, is_on_surface, threads);
     times.begin("finish");
     if (options.open_holes)
-        open_amls_holes(result.mesh, found, is_on_surface, labelling.threads, progress.part(0.95, 0.97, "holes"));
+        open_amls_holes(result.mesh, found, is_on_surface, threads, progress.part(0.95, 0.97, "holes"));
     result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));
     const NeighbourSearch search(points);
     result.nearest_sample.resize(result.mesh.vertices.size());
-    parallel_for(result.mesh.vertices.size(), labelling.threads, progress.part(0.97, 1, "nearest points"),
+    parallel_for(result.mesh.vertices.size(), threads, progress.part(0.97, 1, "nearest points"),
                  [&](std::size_t v) { result.nearest_sample[v] = search.nearest(result.mesh.vertices[v]); });
     const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
     result.components = topology.components;

@@ -253,6 +253,15 @@ TEST(ReconstructAmls, NoisyWallsOfLittleMoreThanASpacingAreNotFilled)
     EXPECT_TRUE(result.warnings.empty());
 }
 
+// At this noise no crust of the points as they are is right; denoised as if they had an eighth of it they are.
+TEST(ReconstructAmls, WallsThatReadAsNoiseAreFoundWithLessNoise)
+{
+    const shapes::Cup cup(1.5);
+    const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(cup.points, 0.4, 4));
+    EXPECT_NEAR(checks::examine_mesh(result.mesh).volume / cup.volume, 1, 0.1);
+    EXPECT_TRUE(result.warnings.empty());
+}
+
 TEST(ReconstructAmls, SaysThatWallsSeemFilledButNotOfAnOpenScan)
 {
     const auto says_so = [](const Points& points)
