@@ -42,8 +42,7 @@ plugin::ParameterTable<Options> ball_table()
         .choice(
             "method", &Options::method, {"automatic", "paper"}, "Method",
             "automatic: points are averaged into cells, thinned to anchors, and the Delaunay balls of the anchors tell "
-            "inside from outside. paper: the biggest big Delaunay ball at "
-            "each point.")
+            "inside from outside. paper: the biggest big Delaunay ball at each point.")
         .number("big_ball_ratio", &Options::big_ball_ratio, "Big ball ratio",
                 "Method 'paper' only: a ball is big if its radius exceeds this times the mean distance to the nearest "
                 "points (the paper's c = 2.5). 0: 2.5, but above the noise.")

@@ -5,6 +5,7 @@
 
 #include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
+#include <recon/errors.h>
 #include <recon/mismatch.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
@@ -121,10 +122,16 @@ void look_for_walls(Attempt& best, const Points& points, const AmlsReconstructio
     const double noise = best.surface.report().noise;
     for (int i = 0; i < halvings && best.is_filled; ++i)
     {
-        Attempt finer = attempt_mesh(points, options, std::ldexp(noise, -1 - i), times,
-                                     progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise"));
-        if (!has_lids(finer, resolve_threads(options.threads)))
-            best = std::move(finer);
+        try
+        {
+            Attempt finer = attempt_mesh(points, options, std::ldexp(noise, -1 - i), times,
+                                         progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise"));
+            if (!has_lids(finer, resolve_threads(options.threads)))
+                best = std::move(finer);
+        }
+        catch (const AlgorithmFailure&) // nothing is inside
+        {
+        }
     }
 }
 
