@@ -21,22 +21,6 @@ using namespace recon;
 namespace
 {
 
-/// Means of the triangles' normals, weighted by angle.
-Vectors vertex_normals(const TriangleMesh& mesh)
-{
-    Vectors normals(mesh.vertices.size(), Vector::Zero());
-    for (const auto& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k)
-        {
-            const Vector a = mesh.vertices[t[(k + 1) % 3]] - mesh.vertices[t[k]],
-                         b = mesh.vertices[t[(k + 2) % 3]] - mesh.vertices[t[k]];
-            const Vector cross = a.cross(b);
-            if (cross.norm() > 0)
-                normals[t[k]] += cross.normalized() * std::atan2(cross.norm(), a.dot(b));
-        }
-    return normals;
-}
-
 struct Options
 {
     std::string folder, save, peers;
@@ -86,7 +70,7 @@ Options parse(int argc, char** argv)
 struct Truth
 {
     explicit Truth(const std::string& path)
-        : model(benchmarks::load_model(path)), distance(model.mesh), normals(vertex_normals(model.mesh))
+        : model(benchmarks::load_model(path)), distance(model.mesh), normals(benchmarks::vertex_normals(model.mesh))
     {
     }
     benchmarks::Model model;

@@ -13,8 +13,6 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -30,58 +28,38 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-/// Angle-weighted; vertices without triangles are left out.
+/// Without those that have no triangles.
 OrientedSamples list_vertices(const Model& model)
 {
-    const Points& vertices = model.mesh.vertices;
-    Vectors sums(vertices.size(), Vector::Zero());
-    for (const auto& t : model.mesh.triangles)
-        for (int k = 0; k < 3; ++k)
-        {
-            const Vector a = vertices[t[(k + 1) % 3]] - vertices[t[k]], b = vertices[t[(k + 2) % 3]] - vertices[t[k]];
-            const Vector normal = a.cross(b);
-            if (normal.norm() > 0)
-                sums[t[k]] += std::atan2(normal.norm(), a.dot(b)) * normal.normalized();
-        }
+    const Vectors normals = vertex_normals(model.mesh);
     OrientedSamples result;
-    for (std::size_t v = 0; v < vertices.size(); ++v)
-        if (sums[v].norm() > 1e-9)
+    for (std::size_t v = 0; v < normals.size(); ++v)
+        if (normals[v].norm() > 1e-9)
         {
-            result.points.push_back(vertices[v]);
-            result.normals.push_back(std::copysign(1, model.volume) * sums[v].normalized());
+            result.points.push_back(model.mesh.vertices[v]);
+            result.normals.push_back(std::copysign(1, model.volume) * normals[v].normalized());
         }
     return result;
 }
 
-struct Rightness
+/// Mean [degrees].
+double mean_angle(const Vectors& found, const Vectors& truth)
 {
-    double share, angle; ///< [0..1], mean [degrees].
-};
-
-Rightness compare(const Vectors& found, const Vectors& truth)
-{
-    Rightness result{0, 0};
+    double sum = 0;
     for (std::size_t i = 0; i < found.size(); ++i)
-    {
-        const double cosine = std::clamp(found[i].dot(truth[i]), -1.0, 1.0);
-        result.share += cosine > 0;
-        result.angle += std::acos(cosine) * 180 / pi;
-    }
-    result.share /= double(found.size());
-    result.angle /= double(found.size());
-    return result;
+        sum += std::acos(std::clamp(found[i].dot(truth[i]), -1.0, 1.0));
+    return sum / double(found.size()) * 180 / pi;
 }
 
 void print_model(const std::string& path)
 {
     const OrientedSamples vertices = list_vertices(load_model(path));
     const Vectors of_surface = project_to_amls(vertices.points, build_amls_surface(vertices.points)).normals;
-    const Rightness surface = compare(of_surface, vertices.normals);
     const OutwardNormals found = find_outward_normals(vertices.points);
-    const Rightness filter = compare(found.normals, vertices.normals);
     std::printf("| %s | %zu | %.4f | %.1f | %.4f | %.1f | %s |\n", std::filesystem::path(path).stem().c_str(),
-                vertices.points.size(), surface.share, surface.angle, filter.share, filter.angle,
-                found.is_exact ? "yes" : "no");
+                vertices.points.size(), checks::share_facing(of_surface, vertices.normals),
+                mean_angle(of_surface, vertices.normals), checks::share_facing(found.normals, vertices.normals),
+                mean_angle(found.normals, vertices.normals), found.is_exact ? "yes" : "no");
 }
 
 /// \param wall, noise [spacings]
@@ -96,7 +74,7 @@ void print_tube(double wall, double noise, unsigned seed)
     const double volume = 4 * pi * middle * wall * spacing * half_length;
     const TriangleMesh amls = reconstruct_amls(cloud).mesh, crust = reconstruct_noisy_power_crust(cloud).mesh;
     std::printf("| %.1f | %.2f | %.4f | %.3f | %.3f |\n", wall, noise,
-                compare(find_outward_normals(cloud).normals, tube.normals).share,
+                checks::share_facing(find_outward_normals(cloud).normals, tube.normals),
                 checks::examine_mesh(amls).volume / volume, checks::examine_mesh(crust).volume / volume);
 }
 

@@ -173,15 +173,6 @@ OrientedSamples scan(Scene& scene, unsigned seed, int& things, int& scanners, do
     return result;
 }
 
-double share_right(const OrientedSamples& cloud)
-{
-    const Vectors found = find_outward_normals(cloud.points).normals;
-    int right = 0;
-    for (std::size_t i = 0; i < found.size(); ++i)
-        right += found[i].dot(cloud.normals[i]) > 0;
-    return double(right) / double(found.size());
-}
-
 } // namespace
 
 int main(int argc, char** argv)
@@ -209,7 +200,8 @@ int main(int argc, char** argv)
         amls.open_holes = true;
         const TriangleMesh meshes[2] = {reconstruct_noisy_power_crust(cloud.points, crust).mesh,
                                         reconstruct_amls(cloud.points, amls).mesh};
-        const double shares[3] = {share_right(cloud), checks::share_faced(meshes[0], cloud, 2.5 * spacing),
+        const double shares[3] = {checks::share_facing(find_outward_normals(cloud.points).normals, cloud.normals),
+                                  checks::share_faced(meshes[0], cloud, 2.5 * spacing),
                                   checks::share_faced(meshes[1], cloud, 2.5 * spacing)};
         for (int k = 0; k < 3; ++k)
             sums[k] += shares[k] / scenes;

@@ -3,6 +3,8 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <cstring>
 #include <ctime>
@@ -230,6 +232,21 @@ void save_ply(const std::string& path, const recon::Points& points, const recon:
             out.write(reinterpret_cast<const char*>(n.data()), 12);
         }
     }
+}
+
+recon::Vectors vertex_normals(const recon::TriangleMesh& mesh)
+{
+    recon::Vectors normals(mesh.vertices.size(), recon::Vector::Zero());
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+        {
+            const recon::Vector a = mesh.vertices[t[(k + 1) % 3]] - mesh.vertices[t[k]],
+                                b = mesh.vertices[t[(k + 2) % 3]] - mesh.vertices[t[k]];
+            const recon::Vector cross = a.cross(b);
+            if (cross.norm() > 0)
+                normals[t[k]] += cross.normalized() * std::atan2(cross.norm(), a.dot(b));
+        }
+    return normals;
 }
 
 bool is_right(const checks::MeshReport& report, int genus, double volume)

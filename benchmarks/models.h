@@ -23,6 +23,9 @@ Model load_model(const std::string& path);
 void save_ply(const std::string& path, const recon::TriangleMesh& mesh);
 void save_ply(const std::string& path, const recon::Points& points, const recon::Vectors& normals = {});
 
+/// Means of the triangles' normals at each vertex, weighted by angle; not of unit length.
+recon::Vectors vertex_normals(const recon::TriangleMesh& mesh);
+
 /// What the tables call right: one component of that genus, closed, manifold, outward, its volume within 3 % of the
 /// true one. \param volume over the true one.
 bool is_right(const checks::MeshReport& report, int genus, double volume);

@@ -14,7 +14,7 @@ namespace
 {
 
 /// Of the vertices of a closed mesh.
-Vectors list_vertex_normals(const TriangleMesh& mesh)
+Vectors weigh_corner_normals(const TriangleMesh& mesh)
 {
     Vectors normals(mesh.vertices.size(), Vector::Zero());
     for (const auto& t : mesh.triangles)
@@ -50,7 +50,7 @@ CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labe
     options.threads = threads;
     CrustNormals result;
     result.crust = make_crust(labelled, options, progress);
-    const Vectors vertex_normals = list_vertex_normals(result.crust);
+    const Vectors vertex_normals = weigh_corner_normals(result.crust);
     const BlockSearch search(result.crust.vertices);
     result.normals.resize(samples.size());
     std::vector<char> is_missed(samples.size());

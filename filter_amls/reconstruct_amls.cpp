@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace recon
@@ -56,14 +57,17 @@ struct Attempt
     TriangleMesh mesh = {};
     std::vector<char> is_on_surface = {}; ///< Per vertex.
     DroppedBodies dropped = {};
-    bool is_filled = false; ///< See seems_filled().
 };
 
-bool has_lids(const Attempt& attempt, int threads)
+/// In the frame of its samples.
+TriangleMesh crust_of(const Attempt& attempt)
 {
-    const LabelledSamples& found = attempt.found;
-    const TriangleMesh crust{found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
-    return measure_bare_area(found.samples, crust, threads) > bare_lid;
+    return {attempt.found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
+}
+
+bool has_lids(const Attempt& attempt, const TriangleMesh& crust, int threads)
+{
+    return measure_bare_area(attempt.found.samples, crust, threads) > bare_lid;
 }
 
 /// Whether bare lids seem to close what walls hold that were taken for noise.
@@ -71,9 +75,11 @@ bool seems_filled(const Points& points, const Attempt& attempt, int threads)
 {
     const LabelledSamples& found = attempt.found;
     const double noise = attempt.surface.report().noise / found.frame.scale();
-    if (noise < least_noise_of_walls * found.labelled.spacing || !has_lids(attempt, threads))
+    if (found.is_exact || noise < least_noise_of_walls * found.labelled.spacing)
         return false;
-    const TriangleMesh crust{found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
+    const TriangleMesh crust = crust_of(attempt);
+    if (!has_lids(attempt, crust, threads))
+        return false;
     const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
     return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
 }
@@ -109,30 +115,30 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
         times.begin("smooth");
         attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
                                             progress.part(0.9, 1, "projection of the mesh"));
-        attempt.is_filled = seems_filled(points, attempt, labelling.threads);
     }
     return attempt;
 }
 
-/// Walls of one to two spacings read as noise: half of it, a quarter, an eighth, until there are no lids.
-void look_for_walls(Attempt& best, const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
-                    const Progress& progress)
+/// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
+/// is one.
+std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstructionOptions& options, double noise,
+                                      PhaseTimes& times, const Progress& progress)
 {
     constexpr int halvings = 3;
-    const double noise = best.surface.report().noise;
-    for (int i = 0; i < halvings && best.is_filled; ++i)
+    for (int i = 0; i < halvings; ++i)
     {
         try
         {
             Attempt finer = attempt_mesh(points, options, std::ldexp(noise, -1 - i), times,
                                          progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise"));
-            if (!has_lids(finer, resolve_threads(options.threads)))
-                best = std::move(finer);
+            if (!has_lids(finer, crust_of(finer), resolve_threads(options.threads)))
+                return finer;
         }
         catch (const AlgorithmFailure&) // nothing is inside
         {
         }
     }
+    return {};
 }
 
 } // namespace
@@ -143,8 +149,15 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     AmlsReconstruction result;
     PhaseTimes times;
     Attempt attempt = attempt_mesh(points, options, options.noise, times, progress.part(0, 0.7));
-    if (options.noise == 0)
-        look_for_walls(attempt, points, options, times, progress.part(0.7, 0.95));
+    const int threads = resolve_threads(options.threads);
+    bool is_filled = seems_filled(points, attempt, threads);
+    if (is_filled && options.noise == 0)
+        if (auto finer =
+                look_for_walls(points, options, attempt.surface.report().noise, times, progress.part(0.7, 0.95)))
+        {
+            attempt = std::move(*finer);
+            is_filled = false;
+        }
     const LabelledSamples& found = attempt.found;
     result.surface = attempt.surface.report();
     result.outliers = found.outliers;
@@ -157,11 +170,10 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
             result.warnings.push_back(text);
     if (found.lost_sheets > 0)
         result.warnings.push_back(describe_backs(found.lost_sheets));
-    if (attempt.is_filled)
+    if (is_filled)
         result.warnings.push_back(
             std::string(lost_walls_text) +
             " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
-    const int threads = resolve_threads(options.threads);
     times.begin("closing");
     draw_closings_taut(result.mesh, found, is_on_surface, threads);
     times.begin("finish");

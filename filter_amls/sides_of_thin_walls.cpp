@@ -31,8 +31,9 @@ constexpr double different_sides = 0.09;
 
 } // namespace
 
-std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& normals, double contradicted,
-                                                bool open, int threads, const Progress& progress)
+std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& cell_normals,
+                                                const std::vector<int>& cell_of_point, double contradicted, bool open,
+                                                int threads, const Progress& progress)
 {
     if (contradicted <= mixed_sides)
         return {};
@@ -56,7 +57,7 @@ std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vect
     const double count = double(points.size());
     int different = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
-        different += crust.normals[i].dot(normals[i]) < 0;
+        different += crust.normals[i].dot(cell_normals[std::size_t(cell_of_point[i])]) < 0;
     if (crust.missed > missed_share * count || different <= different_sides * count)
         return {};
     if (open && measure_bare_area(points, crust.crust, threads) > bare_lid)

@@ -4,6 +4,7 @@
 #include <recon/progress.h>
 
 #include <optional>
+#include <vector>
 
 namespace recon
 {
@@ -12,9 +13,10 @@ namespace recon
 /// crust through the points as they are. None where the ties between anchors hardly contradict each other, where the
 /// points are too noisy for such a crust, where it contradicts them or has filled the walls, or where both tell the
 /// same but for a few points; of points that read as an open sheet also where it has lids. \param points distinct, in
-/// the unit frame and spatial order. \param normals those of the points' cells, one each. \param contradicted see
-/// Orientation::contradicted. \throws Cancelled.
-std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& normals, double contradicted,
-                                                bool open, int threads, const Progress& progress = {});
+/// the unit frame and spatial order. \param cell_normals, cell_of_point of the cells. \param contradicted, open see
+/// Orientation. \throws Cancelled.
+std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& cell_normals,
+                                                const std::vector<int>& cell_of_point, double contradicted, bool open,
+                                                int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -158,11 +158,9 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         return orientation;
     }
     orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
-    Vectors of_points;
-    for (const int c : data.cells.cell_of_point)
-        of_points.push_back(normals.normals[std::size_t(c)]);
-    if (const auto better = find_sides_of_thin_walls(data.points, of_points, orientation.contradicted, orientation.open,
-                                                     threads, progress.part(0.5, 1, "Sides of thin walls")))
+    if (const auto better =
+            find_sides_of_thin_walls(data.points, normals.normals, data.cells.cell_of_point, orientation.contradicted,
+                                     orientation.open, threads, progress.part(0.5, 1, "Sides of thin walls")))
     {
         orient_by_given(data.cells, *better, normals.normals);
         orientation.open = false;

@@ -157,6 +157,14 @@ SceneReport examine_ball_on_a_ground(const recon::TriangleMesh& mesh)
     return report;
 }
 
+double share_facing(const recon::Vectors& normals, const recon::Vectors& truth)
+{
+    int facing = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        facing += normals[i].dot(truth[i]) > 0;
+    return double(facing) / double(truth.size());
+}
+
 double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples& samples, double reach)
 {
     recon::Vectors facing(mesh.vertices.size(), recon::Vector::Zero());

@@ -2,6 +2,7 @@
 
 #include "filter_amls/project.h"
 #include "project_all.h"
+#include "tests/checks.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
@@ -12,14 +13,6 @@ using namespace recon;
 
 namespace
 {
-
-double share_right(const Vectors& normals, const OrientedSamples& truth)
-{
-    int right = 0;
-    for (std::size_t i = 0; i < normals.size(); ++i)
-        right += normals[i].dot(truth.normals[i]) > 0;
-    return double(right) / double(normals.size());
-}
 
 double mean_cosine(const Vectors& normals, const OrientedSamples& truth)
 {
@@ -44,7 +37,7 @@ TEST(OutwardNormals, ThinWallsOfExactPointsFaceOutwardOnBothSides)
     const OrientedSamples tube = thin_tube(3);
     const OutwardNormals found = find_outward_normals(tube.points);
     EXPECT_TRUE(found.is_exact);
-    EXPECT_GT(share_right(found.normals, tube), 0.99);
+    EXPECT_GT(checks::share_facing(found.normals, tube.normals), 0.99);
     for (const Vector& n : found.normals)
         EXPECT_NEAR(n.norm(), 1, 1e-9);
 }
@@ -57,7 +50,7 @@ TEST(OutwardNormals, ThinWallsOfNoisyPointsFaceOutwardOnBothSides)
     {
         const OutwardNormals found = find_outward_normals(shapes::with_noise(tube.points, spacings * tube_spacing, 4));
         EXPECT_FALSE(found.is_exact);
-        EXPECT_GT(share_right(found.normals, tube), 0.96) << spacings;
+        EXPECT_GT(checks::share_facing(found.normals, tube.normals), 0.96) << spacings;
     }
 }
 
@@ -67,11 +60,23 @@ TEST(OutwardNormals, AreThoseOfTheCrustWhereExactPointsAreCoarse)
     const OrientedSamples lens = shapes::ellipsoid(400, {1, 0.5, 0.1}, 3);
     const OutwardNormals found = find_outward_normals(lens.points);
     EXPECT_TRUE(found.is_exact);
-    EXPECT_EQ(share_right(found.normals, lens), 1);
+    EXPECT_EQ(checks::share_facing(found.normals, lens.normals), 1);
     EXPECT_GT(mean_cosine(found.normals, lens), 0.98);
     const Vectors of_surface = project_all(lens.points).normals;
-    EXPECT_LT(share_right(of_surface, lens), 0.99);
+    EXPECT_LT(checks::share_facing(of_surface, lens.normals), 0.99);
     EXPECT_LT(mean_cosine(of_surface, lens), 0.95);
+}
+
+// So few points read as an open sheet; half of them faced inward.
+TEST(OutwardNormals, BodiesSoCoarseThatTheyReadAsOpenFaceOutward)
+{
+    for (const std::uint64_t seed : {3, 4})
+    {
+        const OrientedSamples lens = shapes::ellipsoid(200, {1, 0.5, 0.1}, seed);
+        const OutwardNormals found = find_outward_normals(lens.points);
+        EXPECT_FALSE(found.surface.open);
+        EXPECT_GT(checks::share_facing(found.normals, lens.normals), 0.95);
+    }
 }
 
 // Walls of 2.2 spacings whose crust is a solid ball that misses all points of the inside; the surface is right.
@@ -85,14 +90,14 @@ TEST(OutwardNormals, ACrustThatFillsWallsIsNotBelieved)
         shell.normals.emplace_back(-inside.normals[i]);
     }
     const Vectors found = find_outward_normals(shapes::with_noise(shell.points, 0.25 * 0.045, 5)).normals;
-    EXPECT_GT(share_right(found, shell), 0.99);
+    EXPECT_GT(checks::share_facing(found, shell.normals), 0.99);
 }
 
 // One of these samples is a vertex at which the crust is folded.
 TEST(OutwardNormals, FoldsOfTheCrustHaveNoSay)
 {
     const OrientedSamples ellipsoid = shapes::ellipsoid(3000, {1, 0.6, 0.3}, 2);
-    EXPECT_EQ(share_right(find_outward_normals(ellipsoid.points).normals, ellipsoid), 1);
+    EXPECT_EQ(checks::share_facing(find_outward_normals(ellipsoid.points).normals, ellipsoid.normals), 1);
 }
 
 TEST(OutwardNormals, AreAsCloseWhereTheSurfaceIsSmooth)

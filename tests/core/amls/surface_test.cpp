@@ -2,6 +2,7 @@
 
 #include <recon/errors.h>
 
+#include "tests/checks.h"
 #include "tests/shapes.h"
 
 #include <Eigen/Geometry>
@@ -19,15 +20,6 @@ namespace
 {
 
 using Distance = std::function<double(const Point&)>;
-
-/// Share of results whose normal agrees with the one of the noise-free sample.
-double oriented_share(const AmlsProjection& result, const Vectors& truth)
-{
-    int right = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i)
-        right += result.normals[i].dot(truth[i]) > 0;
-    return right / double(truth.size());
-}
 
 struct Shape
 {
@@ -57,7 +49,7 @@ TEST(AmlsSurface, RemovesMostOfTheNoiseOnSmoothShapes)
             const AmlsProjection result = project_all(noisy);
             EXPECT_LT(shapes::rms(result.points, shape.distance), 0.3 * shapes::rms(noisy, shape.distance))
                 << shape.name << " " << sigma;
-            EXPECT_GT(oriented_share(result, shape.samples.normals), 0.999) << shape.name << " " << sigma;
+            EXPECT_GT(checks::share_facing(result.normals, shape.samples.normals), 0.999) << shape.name << " " << sigma;
             EXPECT_EQ(result.count(ProjectionStatus::outlier), 0) << shape.name << " " << sigma;
         }
 }
@@ -84,7 +76,7 @@ TEST(AmlsSurface, BarelyMovesPointsWithoutNoise)
     {
         const AmlsProjection result = project_all(shape.samples.points);
         EXPECT_LT(shapes::rms(result.points, shape.distance), 5e-4) << shape.name;
-        EXPECT_GT(oriented_share(result, shape.samples.normals), 0.9999) << shape.name;
+        EXPECT_GT(checks::share_facing(result.normals, shape.samples.normals), 0.9999) << shape.name;
     }
 }
 
@@ -128,7 +120,7 @@ TEST(AmlsSurface, KeepsBoxesWithinTheNoise)
     const Distance distance = [&](const Point& p) { return shapes::distance_to_box(p, sides); };
     // Points that face elsewhere and anchors that disagree would add more.
     EXPECT_LT(shapes::rms(result.points, distance), 0.342 * sigma);
-    EXPECT_GT(oriented_share(result, box.normals), 0.999);
+    EXPECT_GT(checks::share_facing(result.normals, box.normals), 0.999);
 }
 
 TEST(AmlsSurface, HardlyRoundsTheEdgesOfCleanBoxes)
@@ -209,7 +201,7 @@ TEST(AmlsSurface, TakesSidesFromGivenNormals)
     for (Vector& n : inward)
         n *= -3;
     const AmlsProjection result = project_to_amls(sphere.points, build_amls_surface(sphere.points, {}, {}, inward));
-    EXPECT_EQ(oriented_share(result, sphere.normals), 0);
+    EXPECT_EQ(checks::share_facing(result.normals, sphere.normals), 0);
 }
 
 TEST(AmlsSurface, WidthFollowsRhoE)
@@ -253,7 +245,7 @@ TEST(AmlsSurface, OrientsTwoScansThatDisagreeAndHaveHoles)
             }
         }
         const AmlsProjection result = project_all(shapes::with_noise(scans.points, 0.003, seed + 7));
-        EXPECT_GT(oriented_share(result, scans.normals), 0.995) << seed;
+        EXPECT_GT(checks::share_facing(result.normals, scans.normals), 0.995) << seed;
     }
 }
 
@@ -264,7 +256,7 @@ TEST(AmlsSurface, ABallUnderALevelFloorFacesOutward)
     {
         const OrientedSamples scene = shapes::ball_apart_from_a_floor({x, 5, -20}, 9, 4);
         const AmlsProjection result = project_all(shapes::with_noise(scene.points, 0.2, 5));
-        EXPECT_GT(oriented_share(result, scene.normals), 0.995) << x;
+        EXPECT_GT(checks::share_facing(result.normals, scene.normals), 0.995) << x;
     }
 }
 
@@ -359,7 +351,7 @@ TEST(AmlsSurface, SixPointsSeldomFaceInward)
     const auto try_shape = [&](const OrientedSamples& shape, std::uint64_t seed)
     {
         const AmlsProjection result = project_all(shapes::with_noise(shape.points, seed % 2 ? 0.02 : 1e-4, seed));
-        inside_out += oriented_share(result, shape.normals) < 0.5;
+        inside_out += checks::share_facing(result.normals, shape.normals) < 0.5;
     };
     for (std::uint64_t seed = 1; seed <= 60; ++seed)
     {
