@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace recon
 {
@@ -26,7 +27,8 @@ constexpr double narrowest_sigmas = 1.5; // below it the neighbourhood is thicke
 constexpr double quadric_cut = 2.6;      // widths
 constexpr double largest_step = 5;       // sigmas by which two heights differ at most
 constexpr int pooled_seeds = 25;
-constexpr double global_share = 0.3; // weight of the mean over all seeds beside the pooled ones
+constexpr double global_share = 0.3; // weight of the mean over all seeds alike beside the pooled ones
+constexpr double alike_noise = 3;    // factor by which their noise differs at most
 constexpr int smoothing_seeds = 15;
 constexpr double seed_reach = 0.3; // of the distance of close seeds
 constexpr double widest = 0.15;    // diagonals: more takes in the whole shape, as it would in clouds of few points
@@ -223,6 +225,51 @@ private:
     std::array<int, ladder> ring_end_{};
 };
 
+/// Mean risks of seeds with as much noise beside the spacing: those of clean parts are high for any width but the
+/// narrowest, which noisy parts of the same cloud do not bear.
+class AlikeRisks
+{
+public:
+    /// \param asked indices of the seeds whose risks are known.
+    AlikeRisks(const std::vector<LocalScale>& at_seed, const std::vector<int>& asked, const std::vector<Risks>& risks)
+        : sums_(asked.size() + 1, Risks{})
+    {
+        for (std::size_t i = 0; i < asked.size(); ++i)
+            by_noise_.emplace_back(relative_noise(at_seed[std::size_t(asked[i])]), i);
+        std::sort(by_noise_.begin(), by_noise_.end());
+        for (std::size_t k = 0; k < asked.size(); ++k)
+            for (int j = 0; j < ladder; ++j)
+                sums_[k + 1][j] = sums_[k][j] + risks[by_noise_[k].second][j];
+    }
+
+    Risks mean(const LocalScale& scale) const
+    {
+        if (by_noise_.empty())
+            return {};
+        const double noise = relative_noise(scale);
+        // The next if there are none.
+        const std::size_t begin = std::min(count_below(noise / alike_noise), by_noise_.size() - 1),
+                          end = std::max(begin + 1, count_below(noise * alike_noise));
+        Risks result;
+        for (int j = 0; j < ladder; ++j)
+            result[j] = (sums_[end][j] - sums_[begin][j]) / double(end - begin);
+        return result;
+    }
+
+private:
+    /// In spacings.
+    static double relative_noise(const LocalScale& scale) { return scale.sigma * std::sqrt(scale.density); }
+
+    std::size_t count_below(double noise) const
+    {
+        return std::size_t(std::lower_bound(by_noise_.begin(), by_noise_.end(), std::pair(noise, std::size_t(0))) -
+                           by_noise_.begin());
+    }
+
+    std::vector<std::pair<double, std::size_t>> by_noise_; ///< With the index into the risks.
+    std::vector<Risks> sums_;                              ///< Of so many by noise.
+};
+
 /// Position of the minimum on the ladder, between the rungs by a parabola.
 double find_minimum(const Risks& risks)
 {
@@ -273,10 +320,7 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
                         }
                     });
 
-    Risks mean{};
-    for (const Risks& r : risks)
-        for (int j = 0; j < ladder; ++j)
-            mean[j] += r[j] / double(risks.size());
+    const AlikeRisks alike(result.at_seed, asked_index, risks);
     const NeighbourSearch asked_search(asked), seed_search(noise.seeds());
     std::vector<double> log_width(m), distance(m);
     parallel_for(std::size_t(m), threads, {},
@@ -285,6 +329,7 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
                      int near[pooled_seeds];
                      double squared[pooled_seeds];
                      const int count = asked_search.nearest(noise.seeds()[i], pooled_seeds, near, squared);
+                     const Risks mean = alike.mean(result.at_seed[i]);
                      Risks pooled;
                      for (int j = 0; j < ladder; ++j)
                      {

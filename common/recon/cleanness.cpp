@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace recon
@@ -17,6 +18,7 @@ namespace
 {
 
 constexpr int most_points = 32;
+constexpr int flat_count = 3; // neighbours asked whether they lie flat
 
 /// Root mean square of the points' distances to their least-squares quadric, a height field over their principal plane.
 double measure_residual(const Points& points, int count)
@@ -65,9 +67,25 @@ double share_of_flat(const Vector& first, const Point* neighbours, int count)
     return count > 0 ? double(flat) / count : 1;
 }
 
+double measure_flat_neighbours(const Points& samples, const BlockSearch& search, const Point& sample)
+{
+    std::array<int, most_points> indices;
+    std::array<double, most_points> squared;
+    const int found = search.nearest(sample, most_points, indices.data(), squared.data());
+    const double radius = std::sqrt(squared[std::size_t(found - 1)]);
+    Points local;
+    for (int j = 0; j < found; ++j)
+        local.push_back(0.5 / radius * (samples[std::size_t(indices[std::size_t(j)])] - sample));
+    append_box_corners(local);
+    const Triangulation delaunay = triangulate_delaunay(local);
+    const Poles poles = find_poles(delaunay, local);
+    const int first = poles.cells.front()[0];
+    return first == Poles::none ? 1 : share_of_flat(delaunay.centres[first], &local[1], flat_count);
+}
+
 Cleanness measure_cleanness(const Points& samples, int threads)
 {
-    constexpr int seeds = 400, around = most_points, flat_count = 3, narrow = 12;
+    constexpr int seeds = 400, around = most_points, narrow = 12;
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
     std::vector<char> clean(count, 0), stacked(count, 0);

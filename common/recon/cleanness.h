@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/block_search.h>
 #include <recon/geometry.h>
 
 namespace recon
@@ -59,5 +60,9 @@ bool has_clean_poles(const Vector& first, const Vector& second, double eighth);
 /// depth; the nearest on the far side of a thin wall are not among the first three. \param first pole relative to the
 /// sample. \param neighbours likewise.
 double share_of_flat(const Vector& first, const Point* neighbours, int count);
+
+/// The same of the three nearest of a sample, from the Delaunay triangulation of the 32 nearest; 1 if it has no poles.
+/// \param search of the samples. \param sample one of them.
+double measure_flat_neighbours(const Points& samples, const BlockSearch& search, const Point& sample);
 
 } // namespace recon

@@ -4,6 +4,7 @@
 #include <recon/errors.h>
 #include <recon/median.h>
 #include <recon/neighbours.h>
+#include <recon/noisy_patches.h>
 #include <recon/parallel.h>
 #include <recon/patch_fit.h>
 #include <recon/sheet_stack.h>
@@ -296,9 +297,11 @@ std::vector<int> list_settled(const std::vector<Local>& raw)
     return settled;
 }
 
-/// Medians over the seeds around each: noise of the settled ones, at most somewhat more than that of the region, or,
-/// where most see two sheets, that of each sheet; density of all. \param scale of the unit frame.
-Pooled pool(const Points& seeds, const std::vector<Local>& raw, double scale, int threads)
+/// Medians over the seeds around each: noise of the settled ones, at most somewhat more than that of the region but in
+/// noisy patches, or, where most see two sheets, that of each sheet; density of all. \param scale of the unit frame.
+/// \param samples the cloud.
+Pooled pool(const Points& samples, const BlockSearch& sample_search, const Points& seeds, const std::vector<Local>& raw,
+            double scale, int threads)
 {
     const std::vector<int> settled = list_settled(raw);
     const Points settled_seeds = points_at(settled, seeds);
@@ -311,39 +314,51 @@ Pooled pool(const Points& seeds, const std::vector<Local>& raw, double scale, in
     }
     const int region = std::max(smoothing_seeds, int(region_share * double(region_seeds.size())));
     Pooled result{std::vector<double>(seeds.size()), std::vector<double>(seeds.size())};
+    std::vector<double> limit(seeds.size());
+    std::vector<SeedNoise> known(seeds.size());
     const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
-    parallel_chunks(seeds.size(), threads, 32, {},
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        std::vector<int> near(region);
-                        std::vector<double> squared(region), values(region);
-                        const auto find_near = [&](const NeighbourSearch& search, std::size_t seed, int wanted)
-                        { return search.nearest(seeds[seed], wanted, near.data(), squared.data()); };
-                        const auto median_of_near = [&](int count, auto value)
-                        {
-                            for (int k = 0; k < count; ++k)
-                                values[k] = value(near[k]);
-                            return middle_of(values.data(), count);
-                        };
-                        for (std::size_t i = begin; i < end; ++i)
-                        {
-                            double& sigma = result.sigma[i];
-                            const double local = median_of_near(find_near(settled_search, i, smoothing_seeds),
-                                                                [&](int k) { return raw[settled[k]].sigma; });
-                            const double around = median_of_near(find_near(region_search, i, region),
-                                                                 [&](int k) { return region_sigma[k]; });
-                            sigma = truncation * scale * std::min(local, largest_excess * around);
-                            const int found = find_near(seed_search, i, smoothing_seeds);
-                            result.density[i] =
-                                median_of_near(found, [&](int k) { return raw[k].density; }) / scale / scale;
-                            int with_sheets = 0;
-                            for (int k = 0; k < found; ++k)
-                                if (raw[near[k]].sheet_sigma >= 0)
-                                    values[with_sheets++] = raw[near[k]].sheet_sigma;
-                            if (2 * with_sheets > found)
-                                sigma = std::min(sigma, scale * middle_of(values.data(), with_sheets));
-                        }
-                    });
+    parallel_chunks(
+        seeds.size(), threads, 32, {},
+        [&](std::size_t begin, std::size_t end)
+        {
+            std::vector<int> near(region);
+            std::vector<double> squared(region), values(region);
+            const auto median_of_near = [&](const NeighbourSearch& search, std::size_t seed, int wanted, auto value)
+            {
+                const int count = search.nearest(seeds[seed], wanted, near.data(), squared.data());
+                for (int k = 0; k < count; ++k)
+                    values[k] = value(near[k]);
+                return middle_of(values.data(), count);
+            };
+            for (std::size_t i = begin; i < end; ++i)
+            {
+                result.sigma[i] =
+                    median_of_near(settled_search, i, smoothing_seeds, [&](int k) { return raw[settled[k]].sigma; });
+                const double around = median_of_near(region_search, i, region, [&](int k) { return region_sigma[k]; });
+                limit[i] = largest_excess * around;
+                result.density[i] =
+                    median_of_near(seed_search, i, smoothing_seeds, [&](int k) { return raw[k].density; });
+                known[i] = {raw[i].sigma, around, 1 / std::sqrt(raw[i].density), raw[i].settled,
+                            raw[i].sheet_sigma >= 0};
+            }
+        });
+    const std::vector<char> noisy_patch = find_noisy_patches(samples, sample_search, seeds, known, threads);
+    const auto limit_sigma = [&](std::size_t i)
+    {
+        double& sigma = result.sigma[i];
+        sigma = truncation * scale * (noisy_patch[i] ? sigma : std::min(sigma, limit[i]));
+        result.density[i] /= scale * scale;
+        std::array<int, smoothing_seeds> near;
+        std::array<double, smoothing_seeds> squared, sheets;
+        const int found = seed_search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
+        int with_sheets = 0;
+        for (int k = 0; k < found; ++k)
+            if (raw[near[k]].sheet_sigma >= 0)
+                sheets[with_sheets++] = raw[near[k]].sheet_sigma;
+        if (2 * with_sheets > found)
+            sigma = std::min(sigma, scale * middle_of(sheets.data(), with_sheets));
+    };
+    parallel_for(seeds.size(), threads, {}, limit_sigma, 32);
     return result;
 }
 
@@ -413,7 +428,7 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
                         for (std::size_t i = begin; i < end; ++i)
                             raw[i] = ladder.estimate(seeds[i], i % stack_stride == 0);
                     });
-    Pooled pooled = pool(seeds, raw, frame.scale(), threads);
+    Pooled pooled = pool(pyramid.levels[0], pyramid.searches[0], seeds, raw, frame.scale(), threads);
     take_one_of_stack(seeds, raw, frame.scale(), threads, pooled);
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(pooled.sigma), std::move(pooled.density));

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 using namespace recon;
 
@@ -60,4 +61,22 @@ TEST(LocalScales, WidthsFollowTheCurvature)
         mean += median(large) / median(small) / 4;
     }
     EXPECT_GT(mean, 1.27); // 1.06 from single seeds, 1.21 from five at a time, 1 from all
+}
+
+TEST(LocalScales, NoisyPartsAreAsWideBesideCleanOnes)
+{
+    // Clean parts bear the narrowest width only.
+    const double sigma = std::sqrt(4 * M_PI * M_PI * 0.3 / 20000);
+    const Points exact = shapes::torus(20000, 1, 0.3, 5).points;
+    const auto median_width = [](const Widths& found)
+    {
+        std::vector<double> noisy;
+        for (std::size_t i = 0; i < found.seeds.size(); ++i)
+            if (found.seeds[i].x() > 0.2)
+                noisy.push_back(found.widths[i]);
+        return median(noisy);
+    };
+    const double half = median_width(choose(shapes::with_noise_beyond(0, exact, sigma, 6))),
+                 whole = median_width(choose(shapes::with_noise(exact, sigma, 6)));
+    EXPECT_NEAR(half / whole, 1, 0.15);
 }

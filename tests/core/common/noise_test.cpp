@@ -91,6 +91,46 @@ TEST(EstimateNoise, FollowsNoiseThatVaries)
     EXPECT_NEAR(estimate.sigma_at(Point(1, 0, 0)), 0.02, 0.004);
 }
 
+TEST(EstimateNoise, SeesANoisyPatch)
+{
+    // A tenth of a sphere, noisier by far than the region that a seed is compared with.
+    constexpr double rim = 0.8;
+    for (const double spacings : {0.3, 0.6, 1.0})
+    {
+        const double sigma = spacings * std::sqrt(4 * M_PI / 20000);
+        const NoiseEstimate estimate =
+            estimate_noise(shapes::with_noise_beyond(rim, shapes::sphere(20000, 1, 5).points, sigma, 6));
+        int patch = 0, found = 0, mistaken = 0;
+        for (int i = 0; i < estimate.size(); ++i)
+        {
+            const double x = estimate.seeds()[i].x(), value = estimate.sigma()[i];
+            if (x > rim + 0.05)
+            {
+                ++patch;
+                found += value > 0.75 * sigma && value < 1.25 * sigma;
+            }
+            else if (x < rim - 0.1)
+                mistaken += value > 0.05 * sigma;
+        }
+        EXPECT_GT(found, 0.9 * patch) << spacings;
+        EXPECT_EQ(mistaken, 0) << spacings;
+    }
+}
+
+TEST(EstimateNoise, DoesNotTakeEdgesForANoisyPatch)
+{
+    // Of so few samples that many lie at an edge.
+    for (const int n : {1500, 4000})
+        for (const std::uint64_t seed : {1, 2})
+        {
+            const NoiseEstimate estimate = estimate_noise(shapes::box(n, Vector(1, 1, 1), seed).points);
+            int mistaken = 0;
+            for (int i = 0; i < estimate.size(); ++i)
+                mistaken += estimate.sigma()[i] * std::sqrt(estimate.density()[i]) > 0.1;
+            EXPECT_EQ(mistaken, 0) << n << ", " << seed;
+        }
+}
+
 TEST(EstimateNoise, IsNotMisledByARodFilledWithNoise)
 {
     // The sphere tells the noise; the rod beside it, bent to a ring, is 4 sigma thick.
