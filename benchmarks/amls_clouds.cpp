@@ -1,11 +1,13 @@
-// Writes the clouds of amls_peers.py: amls_clouds <model folder> <out folder> <seed> grid|even|other [model...]
+// Writes the clouds of amls_peers.py: amls_clouds <model folder> <out folder> <seed> grid|even|parts|other [model...]
 //   grid: grid B, or the models given, x sigma 0.1, 0.2, 0.4 %. even: of the same models 20,000 noisy samples anywhere
-//   on the surface, x sigma 0.3, 0.8 spacings. other: one point per vertex, thinned, outliers, sharp models.
+//   on the surface, x sigma 0.3, 0.8 spacings. parts: the same with sigma 0.8 on a tenth and a half, at the lower end
+//   of the longest axis, the others exact. other: one point per vertex, thinned, outliers, sharp models.
 #include "area_sampler.h"
 #include "models.h"
 
 #include "tests/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -27,14 +29,35 @@ void save(const std::string& name, const std::string& model, const Points& point
 
 using shapes::uniform;
 
-Points noisy_samples(const benchmarks::Model& model, double sigma, unsigned seed)
+int longest_axis(const Points& points)
+{
+    const Box box = bounding_box(points);
+    int axis = 0;
+    (box.maximum - box.minimum).maxCoeff(&axis);
+    return axis;
+}
+
+/// \param share of the samples with noise, the first along the longest axis. \param sigma [spacings].
+Points noisy_samples(const benchmarks::Model& model, double sigma, unsigned seed, double share = 1)
 {
     constexpr int samples = 20000;
     benchmarks::AreaSampler sampler(model.mesh, seed);
     Points points;
     for (int i = 0; i < samples; ++i)
         points.push_back(sampler.draw());
-    return shapes::with_noise(points, sigma * std::sqrt(sampler.area() / samples), seed + 1);
+    Points noisy = shapes::with_noise(points, sigma * std::sqrt(sampler.area() / samples), seed + 1);
+    if (share == 1)
+        return noisy;
+    const int axis = longest_axis(points);
+    std::vector<double> along;
+    for (const Point& p : points)
+        along.push_back(p[axis]);
+    const auto limit = along.begin() + std::ptrdiff_t(share * samples);
+    std::nth_element(along.begin(), limit, along.end());
+    for (int i = 0; i < samples; ++i)
+        if (points[i][axis] >= *limit)
+            noisy[i] = points[i];
+    return noisy;
 }
 
 /// Points kept with a probability that falls from 1 to 1/20 along the longest axis.
@@ -42,8 +65,7 @@ Points thinned(const Points& points, unsigned seed)
 {
     shapes::Random random(seed);
     const Box box = bounding_box(points);
-    int axis = 0;
-    (box.maximum - box.minimum).maxCoeff(&axis);
+    const int axis = longest_axis(points);
     Points kept;
     for (const Point& p : points)
     {
@@ -60,14 +82,15 @@ int main(int argc, char** argv)
 {
     if (argc < 5)
     {
-        std::fprintf(stderr, "usage: %s <model folder> <out folder> <seed> grid|even|other [model...]\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <model folder> <out folder> <seed> grid|even|parts|other [model...]\n",
+                     argv[0]);
         return 2;
     }
     model_folder = argv[1];
     out_folder = argv[2];
     const unsigned seed = unsigned(std::stoi(argv[3]));
     const std::string kind = argv[4];
-    if (kind == "grid" || kind == "even")
+    if (kind == "grid" || kind == "even" || kind == "parts")
     {
         for (const std::string& name : argc > 5 ? std::vector<std::string>(argv + 5, argv + argc) : benchmarks::grid_b)
         {
@@ -75,6 +98,9 @@ int main(int argc, char** argv)
             if (kind == "grid")
                 for (const char* sigma : {"0.1", "0.2", "0.4"})
                     save(name + "_" + sigma, name, benchmarks::noisy_cloud(model, std::stod(sigma), seed));
+            else if (kind == "parts")
+                for (const char* share : {"0.1", "0.5"})
+                    save(name + "_part_" + share, name, noisy_samples(model, 0.8, seed, std::stod(share)));
             else
                 for (const char* sigma : {"0.3", "0.8"})
                     save(name + "_even_" + sigma, name, noisy_samples(model, std::stod(sigma), seed));
