@@ -14,6 +14,9 @@ namespace
 constexpr int asked_seeds = 21;
 constexpr double least_excess = 2.5; // times the region's noise
 constexpr double least_noise = 0.2;  // spacings: coarse clean clouds have less at most places
+/// Noise of the region above which nothing is told [spacings]: what is thinner than some of it, such as claws, then
+/// looks like thicker noise in all of this.
+constexpr double most_around = 0.4;
 constexpr double least_share = 0.25; // of the seeds asked
 constexpr double settled_share = 0.3, sheets_share = 0.25;
 /// Mean share of flat neighbours, see share_of_flat(), of what noise from 0.2 spacings leaves (0.5 to 0.65); what looks
@@ -22,7 +25,8 @@ constexpr double most_flat = 0.7;
 
 bool is_noisy(const SeedNoise& seed)
 {
-    return seed.sigma > least_excess * seed.region && seed.sigma > least_noise * seed.spacing;
+    return seed.region < most_around * seed.spacing && seed.sigma > least_excess * seed.region &&
+           seed.sigma > least_noise * seed.spacing;
 }
 
 /// Whether the seeds around tell noise.

@@ -18,10 +18,10 @@ struct SeedNoise
     bool two_sheets = false; ///< Whether the neighbours lie on two sheets.
 };
 
-/// Per seed, whether it lies in a patch of noisier samples than the region around, as where scans of several qualities
-/// meet or a scanner grazed the surface, and not at a thin part, an edge or other detail, which leave residuals, too:
-/// of the seeds around enough exceed the region's noise by a factor, of these many have settled and few see two sheets,
-/// and neighbours do not lie flat there. \param samples in spatial order. \param search of them.
+/// Per seed, whether it lies in a patch of noisier samples than a region with little noise, as where scans of several
+/// qualities meet or a scanner grazed the surface, and not at a thin part, an edge or other detail, which leave
+/// residuals, too: of the seeds around enough exceed the region's noise by a factor, of these many have settled and few
+/// see two sheets, and neighbours do not lie flat there. \param samples in spatial order. \param search of them.
 std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& search, const Points& seeds,
                                      const std::vector<SeedNoise>& noise, int threads);
 
