@@ -98,6 +98,18 @@ void sum_monomials(const double* pu, const double* pv, const double* pz, int n, 
 
 using Risks = std::array<double, ladder>;
 
+double relative_noise(const LocalScale& scale)
+{
+    return scale.sigma * std::sqrt(scale.density); // spacings
+}
+
+/// Whether one width may suit both. Clean parts bear only the narrowest, and would keep noisy ones beside them so.
+bool have_alike_noise(const LocalScale& a, const LocalScale& b)
+{
+    const double x = relative_noise(a), y = relative_noise(b);
+    return x <= alike_noise * y && y <= alike_noise * x;
+}
+
 /// Risk of each candidate at one seed, in units of the noise's variance.
 class RiskEstimator
 {
@@ -225,8 +237,7 @@ private:
     std::array<int, ladder> ring_end_{};
 };
 
-/// Mean risks of seeds with as much noise beside the spacing: those of clean parts are high for any width but the
-/// narrowest, which noisy parts of the same cloud do not bear.
+/// Mean risks of all seeds with alike noise.
 class AlikeRisks
 {
 public:
@@ -257,9 +268,6 @@ public:
     }
 
 private:
-    /// In spacings.
-    static double relative_noise(const LocalScale& scale) { return scale.sigma * std::sqrt(scale.density); }
-
     std::size_t count_below(double noise) const
     {
         return std::size_t(std::lower_bound(by_noise_.begin(), by_noise_.end(), std::pair(noise, std::size_t(0))) -
@@ -329,14 +337,13 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
                      int near[pooled_seeds];
                      double squared[pooled_seeds];
                      const int count = asked_search.nearest(noise.seeds()[i], pooled_seeds, near, squared);
-                     const Risks mean = alike.mean(result.at_seed[i]);
-                     Risks pooled;
-                     for (int j = 0; j < ladder; ++j)
-                     {
-                         pooled[j] = global_share * count * mean[j];
-                         for (int k = 0; k < count; ++k)
-                             pooled[j] += risks[near[k]][j];
-                     }
+                     Risks pooled = alike.mean(result.at_seed[i]);
+                     for (double& risk : pooled)
+                         risk *= global_share * count;
+                     for (int k = 0; k < count; ++k)
+                         if (have_alike_noise(result.at_seed[i], result.at_seed[asked_index[near[k]]]))
+                             for (int j = 0; j < ladder; ++j)
+                                 pooled[j] += risks[near[k]][j];
                      log_width[i] = std::log(narrowest[i]) + find_minimum(pooled) * std::log(rung);
                  });
     parallel_for(std::size_t(m), threads, {},
@@ -346,9 +353,14 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
                      double squared[smoothing_seeds];
                      const int count = seed_search.nearest(noise.seeds()[i], smoothing_seeds, near, squared);
                      double total = 0;
+                     int alike_seeds = 0; // the seed itself at least
                      for (int k = 0; k < count; ++k)
-                         total += log_width[near[k]];
-                     result.at_seed[i].width = std::min(std::exp(total / count), widest);
+                         if (have_alike_noise(result.at_seed[i], result.at_seed[near[k]]))
+                         {
+                             total += log_width[near[k]];
+                             ++alike_seeds;
+                         }
+                     result.at_seed[i].width = std::min(std::exp(total / alike_seeds), widest);
                      distance[i] = std::sqrt(squared[std::min(1, count - 1)]);
                  });
     const auto close = distance.begin() + std::ptrdiff_t(distance.size() / 10);

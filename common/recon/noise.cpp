@@ -297,20 +297,50 @@ std::vector<int> list_settled(const std::vector<Local>& raw)
     return settled;
 }
 
+/// The noisy seeds of patches take the median of noisy ones alone: at the rim of a patch half of those around are
+/// clean.
+void take_noise_of_patches(const Points& seeds, const std::vector<Local>& raw, const std::vector<int>& settled,
+                           const std::vector<SeedNoise>& known, const std::vector<char>& is_patch, int threads,
+                           std::vector<double>& sigma)
+{
+    const auto is_noisy = [&](std::size_t i) { return is_patch[i] && exceeds_region(known[i]); };
+    std::vector<int> noisy;
+    for (const int i : settled)
+        if (is_noisy(i))
+            noisy.push_back(i);
+    if (noisy.empty())
+        return;
+    const Points noisy_seeds = points_at(noisy, seeds);
+    const NeighbourSearch search(noisy_seeds);
+    const auto take = [&](std::size_t i)
+    {
+        if (!is_noisy(i))
+            return;
+        std::array<int, smoothing_seeds> near;
+        std::array<double, smoothing_seeds> squared, values;
+        const int count = search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
+        for (int k = 0; k < count; ++k)
+            values[k] = raw[noisy[near[k]]].sigma;
+        sigma[i] = middle_of(values.data(), count);
+    };
+    parallel_for(seeds.size(), threads, {}, take, 32);
+}
+
 /// Medians over the seeds around each: noise of the settled ones, at most somewhat more than that of the region but in
-/// noisy patches, or, where most see two sheets, that of each sheet; density of all. \param scale of the unit frame.
-/// \param samples the cloud.
+/// noisy patches, where noisy seeds speak for noisy ones, or, where most see two sheets, that of each sheet; density of
+/// all. \param scale of the unit frame. \param samples the cloud.
 Pooled pool(const Points& samples, const BlockSearch& sample_search, const Points& seeds, const std::vector<Local>& raw,
             double scale, int threads)
 {
     const std::vector<int> settled = list_settled(raw);
     const Points settled_seeds = points_at(settled, seeds);
     Points region_seeds;
-    std::vector<double> region_sigma;
+    std::vector<double> region_sigma, region_density;
     for (std::size_t k = 0; k < settled.size(); k += region_stride)
     {
         region_seeds.push_back(settled_seeds[k]);
         region_sigma.push_back(raw[settled[k]].sigma);
+        region_density.push_back(raw[settled[k]].density);
     }
     const int region = std::max(smoothing_seeds, int(region_share * double(region_seeds.size())));
     Pooled result{std::vector<double>(seeds.size()), std::vector<double>(seeds.size())};
@@ -338,11 +368,13 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
                 limit[i] = largest_excess * around;
                 result.density[i] =
                     median_of_near(seed_search, i, smoothing_seeds, [&](int k) { return raw[k].density; });
-                known[i] = {raw[i].sigma, around, 1 / std::sqrt(raw[i].density), raw[i].settled,
-                            raw[i].sheet_sigma >= 0};
+                const double dense = median_of_near(region_search, i, region, [&](int k) { return region_density[k]; });
+                known[i] = {raw[i].sigma,         around,         1 / std::sqrt(raw[i].density),
+                            1 / std::sqrt(dense), raw[i].settled, raw[i].sheet_sigma >= 0};
             }
         });
     const std::vector<char> noisy_patch = find_noisy_patches(samples, sample_search, seeds, known, threads);
+    take_noise_of_patches(seeds, raw, settled, known, noisy_patch, threads, result.sigma);
     const auto limit_sigma = [&](std::size_t i)
     {
         double& sigma = result.sigma[i];

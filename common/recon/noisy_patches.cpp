@@ -17,17 +17,13 @@ constexpr double least_noise = 0.2;  // spacings: coarse clean clouds have less 
 /// Noise of the region above which nothing is told [spacings]: what is thinner than some of it, such as claws, then
 /// looks like thicker noise in all of this.
 constexpr double most_around = 0.4;
+/// Times the region's spacing; what is sparser are outliers.
+constexpr double most_sparse = 2.5;
 constexpr double least_share = 0.25; // of the seeds asked
 constexpr double settled_share = 0.3, sheets_share = 0.25;
 /// Mean share of flat neighbours, see share_of_flat(), of what noise from 0.2 spacings leaves (0.5 to 0.65); what looks
 /// like noise in coarse clean clouds has 0.6 to 0.95.
 constexpr double most_flat = 0.7;
-
-bool is_noisy(const SeedNoise& seed)
-{
-    return seed.region < most_around * seed.spacing && seed.sigma > least_excess * seed.region &&
-           seed.sigma > least_noise * seed.spacing;
-}
 
 /// Whether the seeds around tell noise.
 bool looks_like_noise(const std::vector<SeedNoise>& noise, const int* near, int count)
@@ -36,7 +32,7 @@ bool looks_like_noise(const std::vector<SeedNoise>& noise, const int* near, int 
     for (int k = 0; k < count; ++k)
     {
         const SeedNoise& seed = noise[std::size_t(near[k])];
-        if (!is_noisy(seed))
+        if (!exceeds_region(seed))
             continue;
         ++noisy;
         sheets += seed.two_sheets;
@@ -47,6 +43,12 @@ bool looks_like_noise(const std::vector<SeedNoise>& noise, const int* near, int 
 
 } // namespace
 
+bool exceeds_region(const SeedNoise& seed)
+{
+    return seed.region < most_around * seed.spacing && seed.sigma > least_excess * seed.region &&
+           seed.sigma > least_noise * seed.spacing && seed.spacing < most_sparse * seed.region_spacing;
+}
+
 std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& search, const Points& seeds,
                                      const std::vector<SeedNoise>& noise, int threads)
 {
@@ -54,7 +56,7 @@ std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& s
     std::vector<char> result(m, 0);
     std::vector<int> noisy;
     for (std::size_t i = 0; i < m; ++i)
-        if (is_noisy(noise[i]))
+        if (exceeds_region(noise[i]))
             noisy.push_back(int(i));
     if (noisy.empty())
         return result;

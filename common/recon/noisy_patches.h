@@ -11,12 +11,17 @@ namespace recon
 /// What is known of the noise at a seed.
 struct SeedNoise
 {
-    double sigma = 0;        ///< Noise there [length].
-    double region = 0;       ///< That of the region around [length].
-    double spacing = 0;      ///< Distance of neighbouring samples [length].
-    bool settled = false;    ///< Whether a wider neighbourhood tells the same.
-    bool two_sheets = false; ///< Whether the neighbours lie on two sheets.
+    double sigma = 0;          ///< Noise there [length].
+    double region = 0;         ///< That of the region around [length].
+    double spacing = 0;        ///< Distance of neighbouring samples [length].
+    double region_spacing = 0; ///< That of the region around [length].
+    bool settled = false;      ///< Whether a wider neighbourhood tells the same.
+    bool two_sheets = false;   ///< Whether the neighbours lie on two sheets.
 };
+
+/// Whether the residual at a seed exceeds a little noise of the region around by so much that it is another noise, or
+/// detail. Not where samples are sparser by far: outliers.
+bool exceeds_region(const SeedNoise& seed);
 
 /// Per seed, whether it lies in a patch of noisier samples than a region with little noise, as where scans of several
 /// qualities meet or a scanner grazed the surface, and not at a thin part, an edge or other detail, which leave

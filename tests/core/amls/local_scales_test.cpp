@@ -68,15 +68,19 @@ TEST(LocalScales, NoisyPartsAreAsWideBesideCleanOnes)
     // Clean parts bear the narrowest width only.
     const double sigma = std::sqrt(4 * M_PI * M_PI * 0.3 / 20000);
     const Points exact = shapes::torus(20000, 1, 0.3, 5).points;
-    const auto median_width = [](const Widths& found)
+    const auto median_width = [](const Widths& found, double from)
     {
         std::vector<double> noisy;
         for (std::size_t i = 0; i < found.seeds.size(); ++i)
-            if (found.seeds[i].x() > 0.2)
+            if (found.seeds[i].x() > from)
                 noisy.push_back(found.widths[i]);
         return median(noisy);
     };
-    const double half = median_width(choose(shapes::with_noise_beyond(0, exact, sigma, 6))),
-                 whole = median_width(choose(shapes::with_noise(exact, sigma, 6)));
-    EXPECT_NEAR(half / whole, 1, 0.15);
+    const Widths whole = choose(shapes::with_noise(exact, sigma, 6));
+    for (const double from :
+         {0.0, 0.9}) // half of it, a seventh; alike seeds alone, but medians of noise over all: 0.59
+        EXPECT_NEAR(median_width(choose(shapes::with_noise_beyond(from, exact, sigma, 6)), from) /
+                        median_width(whole, from),
+                    1, 0.25)
+            << from;
 }

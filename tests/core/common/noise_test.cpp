@@ -104,7 +104,7 @@ TEST(EstimateNoise, SeesANoisyPatch)
         for (int i = 0; i < estimate.size(); ++i)
         {
             const double x = estimate.seeds()[i].x(), value = estimate.sigma()[i];
-            if (x > rim + 0.05)
+            if (x > rim)
             {
                 ++patch;
                 found += value > 0.75 * sigma && value < 1.25 * sigma;
