@@ -28,7 +28,7 @@ constexpr double quadric_cut = 2.6;      // widths
 constexpr double largest_step = 5;       // sigmas by which two heights differ at most
 constexpr int pooled_seeds = 25;
 constexpr double global_share = 0.3; // weight of the mean over all seeds alike beside the pooled ones
-constexpr double alike_noise = 3;    // factor by which their noise differs at most
+constexpr double alike_noise = 3;    // factor by which the noise of such seeds differs at most
 constexpr int smoothing_seeds = 15;
 constexpr double seed_reach = 0.3; // of the distance of close seeds
 constexpr double widest = 0.15;    // diagonals: more takes in the whole shape, as it would in clouds of few points
@@ -98,16 +98,10 @@ void sum_monomials(const double* pu, const double* pv, const double* pz, int n, 
 
 using Risks = std::array<double, ladder>;
 
-double relative_noise(const LocalScale& scale)
-{
-    return scale.sigma * std::sqrt(scale.density); // spacings
-}
-
 /// Whether one width may suit both. Clean parts bear only the narrowest, and would keep noisy ones beside them so.
 bool have_alike_noise(const LocalScale& a, const LocalScale& b)
 {
-    const double x = relative_noise(a), y = relative_noise(b);
-    return x <= alike_noise * y && y <= alike_noise * x;
+    return a.sigma <= alike_noise * b.sigma && b.sigma <= alike_noise * a.sigma;
 }
 
 /// Risk of each candidate at one seed, in units of the noise's variance.
@@ -237,7 +231,7 @@ private:
     std::array<int, ladder> ring_end_{};
 };
 
-/// Mean risks of all seeds with alike noise.
+/// Mean risks of all seeds with alike noise beside the spacing.
 class AlikeRisks
 {
 public:
@@ -273,6 +267,9 @@ private:
         return std::size_t(std::lower_bound(by_noise_.begin(), by_noise_.end(), std::pair(noise, std::size_t(0))) -
                            by_noise_.begin());
     }
+
+    /// In spacings.
+    static double relative_noise(const LocalScale& scale) { return scale.sigma * std::sqrt(scale.density); }
 
     std::vector<std::pair<double, std::size_t>> by_noise_; ///< With the index into the risks.
     std::vector<Risks> sums_;                              ///< Of so many by noise.

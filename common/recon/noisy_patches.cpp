@@ -20,7 +20,7 @@ constexpr double most_around = 0.4;
 /// Times the region's spacing; what is sparser are outliers.
 constexpr double most_sparse = 2.5;
 constexpr double least_share = 0.25; // of the seeds asked
-constexpr double settled_share = 0.3, sheets_share = 0.25;
+constexpr double settled_share = 0.1, sheets_share = 0.4;
 /// Mean share of flat neighbours, see share_of_flat(), of what noise from 0.2 spacings leaves (0.5 to 0.65); what looks
 /// like noise in coarse clean clouds has 0.6 to 0.95.
 constexpr double most_flat = 0.7;
