@@ -172,6 +172,10 @@ const std::vector<Kind> kinds = {
      }},
     {"halves of 0.03 and 0.4 %", [](Cloud& c)
      { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 2) > 0.5 ? 0.4 : 0.03; }); }},
+    {"a noisy end, 0.3 %", [](Cloud& c)
+     { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 0) > 0.88 ? 0.3 : 0; }); }},
+    {"the other end, 0.3 %", [](Cloud& c)
+     { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 1) < 0.12 ? 0.3 : 0; }); }},
 };
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include <recon/block_search.h>
 #include <recon/delaunay.h>
+#include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/polar_balls.h>
 #include <recon/sheet_stack.h>
@@ -49,6 +50,25 @@ double quantile(std::vector<double> values, double share)
     const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
     std::nth_element(values.begin(), at, values.end());
     return *at;
+}
+
+/// Share of the places that are noisy, each weighed by the share of such around it.
+double measure_noisy_part(const Points& places, const std::vector<char>& noisy)
+{
+    constexpr int around = 8;
+    const NeighbourSearch search(places);
+    double sum = 0;
+    for (std::size_t i = 0; i < places.size(); ++i)
+    {
+        if (!noisy[i])
+            continue;
+        std::array<int, 1 + around> near;
+        std::array<double, 1 + around> squared;
+        const int found = search.nearest(places[i], 1 + around, near.data(), squared.data());
+        for (int k = 1; k < found; ++k) // the first is the place itself
+            sum += double(noisy[std::size_t(near[std::size_t(k)])]) / around;
+    }
+    return places.empty() ? 0 : sum / double(places.size());
 }
 
 } // namespace
@@ -138,14 +158,19 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     };
     parallel_for(count, threads, {}, examine, 8);
     Cleanness result;
+    Points places; // whose cells are known
+    std::vector<char> noisy;
     const double cells = double((count + 1) / 2);
     for (std::size_t k = 0; k < count; k += 2)
     {
         result.long_cells += clean[k] / cells;
         result.flat_neighbours += flat[k] / cells;
-        if (!clean[k] && flat[k] < 0.5 && whiteness[k] > 0.5 && roughness[k] > 0.1)
-            result.noisy_places += 1 / cells;
+        places.push_back(samples[k * stride]);
+        noisy.push_back(!clean[k] && flat[k] < 0.5 && whiteness[k] > 0.5 && roughness[k] > 0.1);
+        result.noisy_places += noisy.back() / cells;
     }
+    if (n > places.size() * most_points)
+        result.noisy_part = measure_noisy_part(places, noisy);
     result.stacked = count > 0 ? double(std::count(stacked.begin(), stacked.end(), 1)) / double(count) : 0;
     result.whiteness = quantile(whiteness, 0.25);
     result.roughness = quantile(roughness, 0.5);

@@ -102,6 +102,10 @@ TEST(Cleanness, NoiseInOnePartIsToldFromACloudThatIsCoarseAllOver)
             measure_cleanness(in_order(shapes::with_noise_beyond(0, torus, noise * torus_spacing(torus), 5)), 1);
         EXPECT_TRUE(half.is_noisy_in_parts()) << half.noisy_places << ' ' << half.lower_roughness;
         EXPECT_TRUE(half.is_clean()) << "and the other signs miss it";
+        const Cleanness seventh =
+            measure_cleanness(in_order(shapes::with_noise_beyond(0.9, torus, noise * torus_spacing(torus), 5)), 1);
+        EXPECT_TRUE(seventh.is_noisy_in_parts()) << seventh.noisy_part;
+        EXPECT_LT(seventh.noisy_places, 0.1) << "too few, were they not side by side";
     }
     for (const int n : {400, 1000, 20'000})
         EXPECT_FALSE(measure_cleanness(in_order(shapes::torus(n, 1, 0.3, 3).points), 1).is_noisy_in_parts()) << n;
@@ -118,6 +122,7 @@ TEST(Cleanness, IsTheSameForAnyNumberOfThreads)
     EXPECT_EQ(one.whiteness, many.whiteness);
     EXPECT_EQ(one.roughness, many.roughness);
     EXPECT_EQ(one.noisy_places, many.noisy_places);
+    EXPECT_EQ(one.noisy_part, many.noisy_part);
 }
 
 TEST(Cleanness, NeighboursUpTo17DegreesBelowThePlaneAreFlat)
