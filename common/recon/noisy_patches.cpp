@@ -4,6 +4,7 @@
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 
+#include <algorithm>
 #include <array>
 
 namespace recon
@@ -19,11 +20,11 @@ constexpr double least_noise = 0.2;  // spacings: coarse clean clouds have less 
 constexpr double most_around = 0.4;
 /// Times the region's spacing; what is sparser are outliers.
 constexpr double most_sparse = 2.5;
-constexpr double least_share = 0.25; // of the seeds asked
+constexpr double least_share = 0.5; // of the seeds asked, in the middle of a patch
 constexpr double settled_share = 0.1, sheets_share = 0.4;
 /// Mean share of flat neighbours, see share_of_flat(), of what noise from 0.2 spacings leaves (0.5 to 0.65); what looks
 /// like noise in coarse clean clouds has 0.6 to 0.95.
-constexpr double most_flat = 0.7;
+constexpr double most_flat = 0.67;
 
 /// Whether the seeds around tell noise.
 bool looks_like_noise(const std::vector<SeedNoise>& noise, const int* near, int count)
@@ -39,6 +40,28 @@ bool looks_like_noise(const std::vector<SeedNoise>& noise, const int* near, int 
         settled += seed.settled;
     }
     return noisy >= least_share * count && settled >= settled_share * noisy && sheets <= sheets_share * noisy;
+}
+
+/// The noisy seeds beside those of a patch are of it: of a noisy seed at its rim half of the seeds around are clean.
+std::vector<char> add_rims(const NeighbourSearch& search, const Points& seeds, const std::vector<SeedNoise>& noise,
+                           const std::vector<char>& middle, int threads)
+{
+    std::vector<char> result = middle;
+    parallel_for(
+        seeds.size(), threads, {},
+        [&](std::size_t i)
+        {
+            if (middle[i] || !exceeds_region(noise[i]))
+                return;
+            std::array<int, asked_seeds> near;
+            std::array<double, asked_seeds> squared;
+            const int count = search.nearest(seeds[i], asked_seeds, near.data(), squared.data());
+            result[i] =
+                std::any_of(near.begin(), near.begin() + count,
+                            [&](int k) { return middle[std::size_t(k)] && exceeds_region(noise[std::size_t(k)]); });
+        },
+        64);
+    return result;
 }
 
 } // namespace
@@ -94,7 +117,7 @@ std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& s
             sum += flat[std::size_t(near[std::size_t(k)])];
         result[i] = count > 0 && sum <= most_flat * count;
     }
-    return result;
+    return add_rims(seed_search, seeds, noise, result, threads);
 }
 
 } // namespace recon

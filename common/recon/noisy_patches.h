@@ -25,8 +25,9 @@ bool exceeds_region(const SeedNoise& seed);
 
 /// Per seed, whether it lies in a patch of noisier samples than a region with little noise, as where scans of several
 /// qualities meet or a scanner grazed the surface, and not at a thin part, an edge or other detail, which leave
-/// residuals, too: of the seeds around enough exceed the region's noise by a factor, of these many have settled and few
-/// see two sheets, and neighbours do not lie flat there. \param samples in spatial order. \param search of them.
+/// residuals, too: half of the seeds around exceed the region's noise by a factor, some of these have settled and not
+/// too many see two sheets, and neighbours do not lie flat there. Noisy seeds beside such ones are of the patch, too.
+/// \param samples in spatial order. \param search of them.
 std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& search, const Points& seeds,
                                      const std::vector<SeedNoise>& noise, int threads);
 
