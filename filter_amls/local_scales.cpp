@@ -262,14 +262,14 @@ public:
     }
 
 private:
+    /// In spacings.
+    static double relative_noise(const LocalScale& scale) { return scale.sigma * std::sqrt(scale.density); }
+
     std::size_t count_below(double noise) const
     {
         return std::size_t(std::lower_bound(by_noise_.begin(), by_noise_.end(), std::pair(noise, std::size_t(0))) -
                            by_noise_.begin());
     }
-
-    /// In spacings.
-    static double relative_noise(const LocalScale& scale) { return scale.sigma * std::sqrt(scale.density); }
 
     std::vector<std::pair<double, std::size_t>> by_noise_; ///< With the index into the risks.
     std::vector<Risks> sums_;                              ///< Of so many by noise.

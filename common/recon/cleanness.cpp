@@ -52,7 +52,7 @@ double quantile(std::vector<double> values, double share)
     return *at;
 }
 
-/// Share of the places that are noisy, each weighed by the share of such around it.
+/// Share of the places that are noisy, each weighed by the share of such around it. \pre there are places.
 double measure_noisy_part(const Points& places, const std::vector<char>& noisy)
 {
     constexpr int around = 8;
@@ -68,7 +68,7 @@ double measure_noisy_part(const Points& places, const std::vector<char>& noisy)
         for (int k = 1; k < found; ++k) // the first is the place itself
             sum += double(noisy[std::size_t(near[std::size_t(k)])]) / around;
     }
-    return places.empty() ? 0 : sum / double(places.size());
+    return sum / double(places.size());
 }
 
 } // namespace

@@ -347,32 +347,33 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
     std::vector<double> limit(seeds.size());
     std::vector<SeedNoise> known(seeds.size());
     const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
-    parallel_chunks(
-        seeds.size(), threads, 32, {},
-        [&](std::size_t begin, std::size_t end)
-        {
-            std::vector<int> near(region);
-            std::vector<double> squared(region), values(region);
-            const auto median_of_near = [&](const NeighbourSearch& search, std::size_t seed, int wanted, auto value)
-            {
-                const int count = search.nearest(seeds[seed], wanted, near.data(), squared.data());
-                for (int k = 0; k < count; ++k)
-                    values[k] = value(near[k]);
-                return middle_of(values.data(), count);
-            };
-            for (std::size_t i = begin; i < end; ++i)
-            {
-                result.sigma[i] =
-                    median_of_near(settled_search, i, smoothing_seeds, [&](int k) { return raw[settled[k]].sigma; });
-                const double around = median_of_near(region_search, i, region, [&](int k) { return region_sigma[k]; });
-                limit[i] = largest_excess * around;
-                result.density[i] =
-                    median_of_near(seed_search, i, smoothing_seeds, [&](int k) { return raw[k].density; });
-                const double dense = median_of_near(region_search, i, region, [&](int k) { return region_density[k]; });
-                known[i] = {raw[i].sigma,         around,         1 / std::sqrt(raw[i].density),
-                            1 / std::sqrt(dense), raw[i].settled, raw[i].sheet_sigma >= 0};
-            }
-        });
+    parallel_chunks(seeds.size(), threads, 32, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        std::vector<int> near(region);
+                        std::vector<double> squared(region), values(region);
+                        const auto median_of = [&](int count, auto value)
+                        {
+                            for (int k = 0; k < count; ++k)
+                                values[k] = value(near[k]);
+                            return middle_of(values.data(), count);
+                        };
+                        const auto find = [&](const NeighbourSearch& search, std::size_t seed, int wanted)
+                        { return search.nearest(seeds[seed], wanted, near.data(), squared.data()); };
+                        for (std::size_t i = begin; i < end; ++i)
+                        {
+                            const int of_settled = find(settled_search, i, smoothing_seeds);
+                            result.sigma[i] = median_of(of_settled, [&](int k) { return raw[settled[k]].sigma; });
+                            const int of_region = find(region_search, i, region);
+                            const double around = median_of(of_region, [&](int k) { return region_sigma[k]; });
+                            const double dense = median_of(of_region, [&](int k) { return region_density[k]; });
+                            limit[i] = largest_excess * around;
+                            const int of_all = find(seed_search, i, smoothing_seeds);
+                            result.density[i] = median_of(of_all, [&](int k) { return raw[k].density; });
+                            known[i] = {raw[i].sigma,         around,         1 / std::sqrt(raw[i].density),
+                                        1 / std::sqrt(dense), raw[i].settled, raw[i].sheet_sigma >= 0};
+                        }
+                    });
     const std::vector<char> noisy_patch = find_noisy_patches(samples, sample_search, seeds, known, threads);
     take_noise_of_patches(seeds, raw, settled, known, noisy_patch, threads, result.sigma);
     const auto limit_sigma = [&](std::size_t i)
