@@ -1,5 +1,6 @@
 #include "label_points.h"
 
+#include "isolated_points.h"
 #include "sample_surface.h"
 #include "surface_data.h"
 #include "thin_walls.h"
@@ -38,33 +39,11 @@ constexpr double exact_roughness = 0.05;
 /// domes, saddles and waves have up to .004, a bust whose folds it rounds off .08 [spacings].
 constexpr double resolved = 0.02;
 
-/// Isolated points farther from the others are no part of an exact cloud; nearer ones may be, where it is sparse
-/// [diagonals of the others].
-constexpr double strange_distance = 0.25;
-
-/// The distinct points, in spatial order as indices of the input, but for isolated ones far from the others.
-std::vector<int> list_without_strangers(const Points& points, const AmlsSurface::Data& data)
+/// The distinct points, in spatial order as indices of the input, but for isolated ones.
+std::vector<int> list_without_isolated(const Points& points, const AmlsSurface::Data& data)
 {
-    const auto is_isolated = [&](std::size_t i)
-    { return data.cell_normals.kinds[std::size_t(data.cells.cell_of_point[i])] == CellKind::outlier; };
-    const std::size_t n = data.points.size();
-    Points others;
-    for (std::size_t i = 0; i < n; ++i)
-        if (!is_isolated(i))
-            others.push_back(points[std::size_t(data.spatial.order[i])]);
-    if (others.size() == n)
-        return data.spatial.order;
-    const BlockSearch search(others);
-    const double reach = strange_distance * UnitFrame(others).scale();
-    std::vector<int> kept;
-    for (std::size_t i = 0; i < n; ++i)
-    {
-        const int k = data.spatial.order[i];
-        const Point& p = points[std::size_t(k)];
-        if (!is_isolated(i) || (others[std::size_t(search.nearest(p))] - p).norm() <= reach)
-            kept.push_back(k);
-    }
-    return kept;
+    const std::vector<int> isolated = list_isolated_points(data.points, data.cells, data.cell_normals);
+    return isolated.empty() ? data.spatial.order : order_without(isolated, data.spatial.order, points);
 }
 
 void take(LabelledSamples& found, BackedSheets backed)
@@ -178,7 +157,7 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
                                                   const Progress& progress)
 {
     times.begin("gate");
-    const std::vector<int> kept = list_without_strangers(points, surface.data());
+    const std::vector<int> kept = list_without_isolated(points, surface.data());
     const int isolated = int(surface.data().points.size() - kept.size());
     Points distinct = points_at(kept, points);
     // Not that of all points, see label_surface().

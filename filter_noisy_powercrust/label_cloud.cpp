@@ -95,15 +95,15 @@ public:
     /// The points of an earlier attempt as they are, all balls kept by the spacing alone.
     LabelledCloud label_fine(PreparedSamples cloud, const Progress& progress)
     {
-        if (cloud.outliers > 0)
-            cloud.choose_frame(points_, points_);
+        if (cloud.outliers > cloud.isolated)
+            cloud.choose_frame(points_at(cloud.order, points_), points_);
         cloud.samples = cloud.distinct;
         cloud.normals.clear();
         cloud.surface.reset();
         if (cloud.denoised)
             cloud.completion = {}; // on projected samples
         cloud.denoised = cloud.is_noisy = false;
-        cloud.outliers = 0;
+        cloud.outliers = cloud.isolated;
         return label(std::move(cloud), BallLimit::fine, progress);
     }
 

@@ -1,5 +1,6 @@
 #include "prepare_samples.h"
 
+#include "filter_amls/isolated_points.h"
 #include "filter_amls/sample_surface.h"
 
 #include <recon/cleanness.h>
@@ -29,6 +30,15 @@ void PreparedSamples::choose_frame(const Points& spanning, const Points& points)
     distinct = frame.to_unit(points_at(order, points));
 }
 
+void PreparedSamples::leave_out(const std::vector<int>& ones, const Points& points)
+{
+    if (ones.empty())
+        return;
+    order = order_without(ones, order, points);
+    outliers = isolated = int(ones.size());
+    choose_frame(points_at(order, points), points);
+}
+
 AmlsOptions surface_options_for(const SamplePreparationOptions& options)
 {
     AmlsOptions result;
@@ -46,9 +56,21 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     PreparedSamples result(points);
     result.order = order_input(points).order;
     // Sorted, so that neither the order of the input nor equal points have a say in what follows.
-    const Points sorted = points_at(result.order, points);
+    Points sorted = points_at(result.order, points);
     result.distinct = result.frame.to_unit(sorted);
-    const Cleanness cleanness = measure_cleanness(result.distinct, resolve_threads(options.threads));
+    const int threads = resolve_threads(options.threads);
+    Cleanness cleanness = measure_cleanness(result.distinct, threads);
+    // In a noisy one it is denoising that drops outliers.
+    if (options.denoise == Denoise::automatic && cleanness.is_clean())
+    {
+        times.begin("outliers");
+        result.leave_out(find_isolated_points(result.distinct, threads, progress.part(0, 0.1, "outliers")), points);
+        if (result.isolated > 0)
+        {
+            sorted = points_at(result.order, points);
+            cleanness = measure_cleanness(result.distinct, threads);
+        }
+    }
     result.stacked = cleanness.stacked;
     result.cleanness = std::max(cleanness.long_cells, cleanness.flat_neighbours);
     // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however coarse.
@@ -56,7 +78,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     {
         times.begin("flat faces");
         FlatFaceOptions exactly_flat;
-        exactly_flat.threads = resolve_threads(options.threads);
+        exactly_flat.threads = threads;
         result.completion = complete_flats(result.distinct, exactly_flat);
     }
     const bool is_noisy_in_parts = cleanness.is_noisy_in_parts();
@@ -85,9 +107,9 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         times.begin("projection");
         SurfaceSamples sampled =
             sample_amls_surface(sorted, *result.surface, options.threads, progress.part(0.7, 1, "AMLS projection"));
-        result.outliers = sampled.outliers;
+        result.outliers += sampled.outliers;
         // A point at the origin of a far coordinate system leaves the others a millionth of the frame.
-        if (result.outliers > 0 && sampled.samples.points.size() >= 4)
+        if (sampled.outliers > 0 && sampled.samples.points.size() >= 4)
             result.choose_frame(sampled.samples.points, points);
         result.samples = result.frame.to_unit(sampled.samples.points);
         result.normals = std::move(sampled.samples.normals);

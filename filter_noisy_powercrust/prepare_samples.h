@@ -38,9 +38,11 @@ struct PreparedSamples
     explicit PreparedSamples(const Points& points) : frame(points) {}
     /// Makes `frame` that of the points that `spanning` holds, and `distinct` fit it. \param points the input.
     void choose_frame(const Points& spanning, const Points& points);
+    /// Takes these of the distinct points, ascending, for outliers. \param points the input.
+    void leave_out(const std::vector<int>& ones, const Points& points);
 
     UnitFrame frame;
-    std::vector<int> order;             ///< Input index of each distinct point, in spatial order.
+    std::vector<int> order;             ///< Input index of each distinct point but the isolated, in spatial order.
     Points distinct;                    ///< Those points in the unit frame; outliers lie anywhere.
     double cleanness = 0;               ///< Share of points that look free of noise [0..1].
     double stacked = 0;                 ///< Share of points with other sheets beside their own [0..1].
@@ -50,7 +52,8 @@ struct PreparedSamples
     std::optional<AmlsSurface> surface; ///< Of a cloud that is noisy or denoised.
     Points samples;                     ///< In the unit frame: `distinct`, or cleaned.
     Vectors normals;                    ///< Outward, one per sample if denoised, else empty.
-    int outliers = 0;                   ///< Points left out [count].
+    int isolated = 0;                   ///< Points of a cloud that looks clean which lie alone: `order` lacks them.
+    int outliers = 0;                   ///< Points left out, these and those that denoising dropped [count].
     std::vector<int> claimed;           ///< The distinct points that are no outliers, if denoised.
     FlatCompletion completion;          ///< Of bare flat faces that are exactly flat; not among the samples.
     double noise = 0;                   ///< Standard deviation, given or estimated [input units].

@@ -2,7 +2,6 @@
 
 #include <recon/block_search.h>
 #include <recon/delaunay.h>
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/polar_balls.h>
 #include <recon/sheet_stack.h>
@@ -12,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace recon
 {
@@ -52,23 +52,77 @@ double quantile(std::vector<double> values, double share)
     return *at;
 }
 
-/// Share of the places that are noisy, each weighed by the share of such around it. \pre there are places.
-double measure_noisy_part(const Points& places, const std::vector<char>& noisy)
+/// What one sample and its nearest tell.
+struct Place
 {
-    constexpr int around = 8;
-    const NeighbourSearch search(places);
-    double sum = 0;
-    for (std::size_t i = 0; i < places.size(); ++i)
+    bool is_clean = false, is_stacked = false;
+    double flat = 0, whiteness = 0, roughness = 0, noise = 0;
+
+    bool is_noisy() const { return !is_clean && flat < 0.5 && whiteness > 0.5 && roughness > 0.1; }
+};
+
+/// \param with_cells or else `is_clean` and `flat` stay 0: a triangulation takes ten times as long as all else.
+Place examine_place(const Points& samples, const BlockSearch& search, const Point& centre, bool with_cells)
+{
+    constexpr int narrow = 12;
+    Place result;
+    int indices[most_around_stack];
+    double squared[most_around_stack];
+    const int all = search.nearest(centre, most_around_stack, indices, squared);
+    const int found = std::min(all, most_points);
+    if (found < 5)
+        return result;
+    const double radius = std::sqrt(squared[found - 1]);
+    Points local;
+    for (int j = 0; j < found; ++j)
+        local.push_back(0.5 / radius * (samples[indices[j]] - centre));
+    if (found == most_points)
     {
-        if (!noisy[i])
-            continue;
-        std::array<int, 1 + around> near;
-        std::array<double, 1 + around> squared;
-        const int found = search.nearest(places[i], 1 + around, near.data(), squared.data());
-        for (int k = 1; k < found; ++k) // the first is the place itself
-            sum += double(noisy[std::size_t(near[std::size_t(k)])]) / around;
+        // Of a stack of sheets those of one: the next sheet is no roughness.
+        Points sheet = local;
+        if (const auto own = find_stacked_sheet(samples, centre, indices, squared, all))
+        {
+            result.is_stacked = true;
+            sheet.clear();
+            for (const int j : own->members)
+                if (int(sheet.size()) < most_points)
+                    sheet.push_back(0.5 / radius * (samples[indices[j]] - centre));
+        }
+        const int members = int(sheet.size());
+        const double residual = measure_residual(sheet, narrow), wide = measure_residual(sheet, members);
+        result.whiteness = wide > 0 ? residual / wide : 0;
+        result.roughness = residual / std::sqrt(EIGEN_PI * sheet.back().squaredNorm() / members);
+        result.noise = 2 * radius * residual;
     }
-    return sum / double(places.size());
+    if (!with_cells)
+        return result;
+    append_box_corners(local);
+    const Triangulation delaunay = triangulate_delaunay(local);
+    const Poles poles = find_poles(delaunay, local);
+    const auto& cells = poles.cells.front();
+    if (cells[0] == Poles::none)
+        return result;
+    result.flat = share_of_flat(delaunay.centres[cells[0]], &local[1], flat_count);
+    result.is_clean =
+        cells[1] != Poles::none && has_clean_poles(delaunay.centres[cells[0]], delaunay.centres[cells[1]],
+                                                   0.5 / radius * std::sqrt(squared[std::min(8, found - 1)]));
+    return result;
+}
+
+/// Share of noisy ones among the places of a sample's surroundings.
+double measure_noise_around(const Points& samples, const BlockSearch& search, const Point& centre)
+{
+    constexpr int around = 256, asked = 8;
+    std::array<int, 1 + around> indices;
+    std::array<double, 1 + around> squared;
+    const int found = search.nearest(centre, 1 + around, indices.data(), squared.data());
+    int noisy = 0;
+    for (int k = 1; k <= asked; ++k)
+    {
+        const int at = indices[std::size_t(k * (found - 1) / asked)];
+        noisy += examine_place(samples, search, samples[std::size_t(at)], true).is_noisy();
+    }
+    return double(noisy) / asked;
 }
 
 } // namespace
@@ -105,73 +159,41 @@ double measure_flat_neighbours(const Points& samples, const BlockSearch& search,
 
 Cleanness measure_cleanness(const Points& samples, int threads)
 {
-    constexpr int seeds = 400, around = most_points, narrow = 12;
+    constexpr int seeds = 400;
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
-    std::vector<char> clean(count, 0), stacked(count, 0);
-    std::vector<double> flat(count, 0), whiteness(count, 0), roughness(count, 0), noise(count, 0);
     const BlockSearch search(samples);
+    std::vector<Place> places(count);
     const auto examine = [&](std::size_t k)
-    {
-        const Point& centre = samples[k * stride];
-        int indices[most_around_stack];
-        double squared[most_around_stack];
-        const int all = search.nearest(centre, most_around_stack, indices, squared);
-        const int found = std::min(all, around);
-        if (found < 5)
-            return;
-        const double radius = std::sqrt(squared[found - 1]);
-        Points local;
-        for (int j = 0; j < found; ++j)
-            local.push_back(0.5 / radius * (samples[indices[j]] - centre));
-        if (found == around)
-        {
-            // Of a stack of sheets those of one: the next sheet is no roughness.
-            Points sheet = local;
-            if (const auto own = find_stacked_sheet(samples, centre, indices, squared, all))
-            {
-                stacked[k] = 1;
-                sheet.clear();
-                for (const int j : own->members)
-                    if (int(sheet.size()) < around)
-                        sheet.push_back(0.5 / radius * (samples[indices[j]] - centre));
-            }
-            const int members = int(sheet.size());
-            const double residual = measure_residual(sheet, narrow), wide = measure_residual(sheet, members);
-            whiteness[k] = wide > 0 ? residual / wide : 0;
-            roughness[k] = residual / std::sqrt(EIGEN_PI * sheet.back().squaredNorm() / members);
-            noise[k] = 2 * radius * residual;
-        }
-        // Triangulations take ten times as long.
-        if (k % 2 != 0)
-            return;
-        append_box_corners(local);
-        const Triangulation delaunay = triangulate_delaunay(local);
-        const Poles poles = find_poles(delaunay, local);
-        const auto& cells = poles.cells.front();
-        if (cells[0] == Poles::none)
-            return;
-        flat[k] = share_of_flat(delaunay.centres[cells[0]], &local[1], flat_count);
-        clean[k] =
-            cells[1] != Poles::none && has_clean_poles(delaunay.centres[cells[0]], delaunay.centres[cells[1]],
-                                                       0.5 / radius * std::sqrt(squared[std::min(8, found - 1)]));
-    };
+    { places[k] = examine_place(samples, search, samples[k * stride], k % 2 == 0); };
     parallel_for(count, threads, {}, examine, 8);
     Cleanness result;
-    Points places; // whose cells are known
-    std::vector<char> noisy;
-    const double cells = double((count + 1) / 2);
-    for (std::size_t k = 0; k < count; k += 2)
+    std::vector<double> whiteness, roughness, noise;
+    std::vector<std::size_t> noisy;
+    const double cells = double((count + 1) / 2); // are known of every second place
+    for (std::size_t k = 0; k < count; ++k)
     {
-        result.long_cells += clean[k] / cells;
-        result.flat_neighbours += flat[k] / cells;
-        places.push_back(samples[k * stride]);
-        noisy.push_back(!clean[k] && flat[k] < 0.5 && whiteness[k] > 0.5 && roughness[k] > 0.1);
-        result.noisy_places += noisy.back() / cells;
+        const Place& place = places[k];
+        result.stacked += place.is_stacked / double(count);
+        whiteness.push_back(place.whiteness);
+        roughness.push_back(place.roughness);
+        noise.push_back(place.noise);
+        if (k % 2 != 0)
+            continue;
+        result.long_cells += place.is_clean / cells;
+        result.flat_neighbours += place.flat / cells;
+        if (place.is_noisy())
+            noisy.push_back(k);
     }
-    if (n > places.size() * most_points)
-        result.noisy_part = measure_noisy_part(places, noisy);
-    result.stacked = count > 0 ? double(std::count(stacked.begin(), stacked.end(), 1)) / double(count) : 0;
+    result.noisy_places = double(noisy.size()) / cells;
+    if (double(n) > cells * most_points && result.noisy_places <= Cleanness::many_noisy)
+    {
+        std::vector<double> parts(noisy.size());
+        const auto look_around = [&](std::size_t i)
+        { parts[i] = measure_noise_around(samples, search, samples[noisy[i] * stride]); };
+        parallel_for(noisy.size(), threads, {}, look_around, 1);
+        result.noisy_part = std::accumulate(parts.begin(), parts.end(), 0.0) / cells;
+    }
     result.whiteness = quantile(whiteness, 0.25);
     result.roughness = quantile(roughness, 0.5);
     result.lower_roughness = quantile(roughness, 0.25);

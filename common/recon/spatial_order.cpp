@@ -194,4 +194,19 @@ SpatialOrder order_input(const Points& points)
     return result;
 }
 
+std::vector<int> order_without(const std::vector<int>& left_out, const std::vector<int>& order, const Points& points)
+{
+    std::vector<int> kept;
+    auto next = left_out.begin();
+    for (int i = 0; i < int(order.size()); ++i)
+        if (next != left_out.end() && *next == i)
+            ++next;
+        else
+            kept.push_back(order[i]);
+    std::vector<int> result;
+    for (const int i : order_input(points_at(kept, points)).order)
+        result.push_back(kept[i]);
+    return result;
+}
+
 } // namespace recon

@@ -24,4 +24,8 @@ SpatialOrder order_spatially(const Points& points);
 /// would outweigh all others.
 SpatialOrder order_input(const Points& points);
 
+/// The order that order_input() gives the points without some of them, so that nothing tells the rest from a cloud that
+/// never had these. \param left_out positions in `order`, ascending. \param order of `points`.
+std::vector<int> order_without(const std::vector<int>& left_out, const std::vector<int>& order, const Points& points);
+
 } // namespace recon

@@ -55,6 +55,51 @@ TEST(PrepareSamples, ACloudThatIsNoisyInPartsIsDenoised)
     EXPECT_LT(std::sqrt(squares[0] / count[0]), 0.1 * noise) << "the clean half";
 }
 
+TEST(PrepareSamples, OutliersOfACleanCloudAreLeftOut)
+{
+    const Points torus = shapes::torus(8000, 1, 0.3, 3).points;
+    EXPECT_EQ(prepare(torus).isolated, 0);
+    Points points = torus;
+    shapes::Random random(7);
+    while (points.size() < 8100)
+    {
+        const double x = shapes::uniform(random), y = shapes::uniform(random), z = shapes::uniform(random);
+        const Point p = Point::Constant(-2) + 4 * Point(x, y, z);
+        if (shapes::distance_to_torus(p, 1, 0.3) > 0.2)
+            points.push_back(p);
+    }
+    const PreparedSamples cloud = prepare(points), alone = prepare(torus);
+    EXPECT_FALSE(cloud.denoised);
+    EXPECT_EQ(cloud.isolated, 100);
+    EXPECT_EQ(cloud.outliers, 100);
+    EXPECT_EQ(cloud.order, alone.order) << "as if they had never been";
+    EXPECT_EQ(cloud.samples, alone.samples);
+    PhaseTimes times;
+    EXPECT_EQ(prepare_samples(points, {Denoise::off}, times).isolated, 0) << "as the paper has it";
+}
+
+TEST(PrepareSamples, LoneVerticesOfACoarseMeshAreNoOutliers)
+{
+    // Its edges are finely divided, its faces hold one vertex each.
+    Points box;
+    constexpr int steps = 40;
+    for (int i = 0; i <= steps; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double u : {-1.0, 1.0})
+                for (const double v : {-1.0, 1.0})
+                {
+                    Point p;
+                    p[axis] = 2.0 * i / steps - 1;
+                    p[(axis + 1) % 3] = u;
+                    p[(axis + 2) % 3] = v;
+                    box.push_back(p);
+                }
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0})
+            box.push_back(side * Vector::Unit(axis));
+    EXPECT_EQ(prepare(box).isolated, 0);
+}
+
 TEST(PrepareSamples, ThinWallsAreNoNoiseThoughTheEstimateSaysSo)
 {
     const PreparedSamples cloud = prepare(shapes::thin_plate(30, 1.5, 5));

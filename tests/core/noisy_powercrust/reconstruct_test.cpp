@@ -283,6 +283,26 @@ TEST(NoisyPowerCrust, APointAtAFarOriginCostsTheOthersNothing)
         EXPECT_LT(shapes::distance_to_torus(p, 1, 0.35), 0.06);
 }
 
+TEST(NoisyPowerCrust, OutliersAroundCleanPointsMakeNoShell)
+{
+    const Points torus = shapes::torus(12'000, 1, 0.35, 2).points;
+    for (const double share : {0.002, 0.05})
+    {
+        Points points = torus;
+        shapes::Random random(7);
+        while (double(points.size()) < (1 + share) * double(torus.size()))
+        {
+            const double x = shapes::uniform(random), y = shapes::uniform(random), z = shapes::uniform(random);
+            points.emplace_back(3 * x - 1.5, 3 * y - 1.5, 0.8 * z - 0.4);
+        }
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        EXPECT_EQ(crust.components, 1) << share;
+        EXPECT_EQ(crust.genus, 1) << share;
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume, 2 * EIGEN_PI * EIGEN_PI * 0.35 * 0.35, 0.01) << share;
+        EXPECT_GT(crust.outliers, 0.7 * share * double(torus.size()));
+    }
+}
+
 TEST(NoisyPowerCrust, PapersRuleAndFixedThresholdWork)
 {
     const Points points = shapes::torus(4000, 1, 0.4, 5).points;
