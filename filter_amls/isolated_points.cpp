@@ -1,8 +1,9 @@
 #include "isolated_points.h"
 
+#include "surface_cells.h"
+
 #include <recon/block_search.h>
 #include <recon/median.h>
-#include <recon/noise.h>
 
 #include <algorithm>
 #include <cmath>
@@ -62,27 +63,16 @@ bool may_have_isolated_points(const Points& points)
 
 std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals)
 {
-    std::vector<int> isolated;
-    if (may_have_isolated_points(points))
-        for (std::size_t i = 0; i < points.size(); ++i)
-            if (normals.kinds[std::size_t(cells.cell_of_point[i])] == CellKind::outlier)
-                isolated.push_back(int(i));
-    return isolated;
+    return may_have_isolated_points(points) ? list_outliers(cells, normals) : std::vector<int>();
 }
 
 std::vector<int> find_isolated_points(const Points& points, int threads, const Progress& progress)
 {
     if (!may_have_isolated_points(points))
         return {};
-    NoiseOptions options;
-    options.threads = threads;
-    const NoiseEstimate noise = estimate_noise(points, options, progress.part(0, 0.4, "Noise"));
-    const BlockSearch search(points);
-    const LocalScales scales = choose_widths(points, search, noise, threads, progress.part(0.4, 0.6, "Width"));
-    Cells cells = average_cells(points, scales, threads, progress.part(0.6, 0.65, "Cells"));
-    const BlockSearch cell_search(cells.means);
-    const CellNormals normals = estimate_cell_normals(cells, cell_search, threads, progress.part(0.65, 1, "Normals"));
-    return list_isolated_points(points, cells, normals);
+    PhaseTimes times;
+    const SurfaceCells made = make_cells_twice(points, BlockSearch(points), 0, threads, times, progress);
+    return list_outliers(made.cells, made.normals);
 }
 
 } // namespace recon

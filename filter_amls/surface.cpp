@@ -6,6 +6,7 @@
 #include "orient.h"
 #include "robust_scale.h"
 #include "sides_of_thin_walls.h"
+#include "surface_cells.h"
 #include "surface_data.h"
 
 #include <recon/block_search.h>
@@ -40,13 +41,6 @@ void check_options(const Points& points, const AmlsOptions& options, const Vecto
     if (!normals.empty() && normals.size() != points.size())
         throw InvalidInput("There are " + std::to_string(normals.size()) + " normals for " +
                            std::to_string(points.size()) + " points; there must be one each, or none.");
-}
-
-/// The noise the user gave in place of the estimate's.
-NoiseEstimate with_given_noise(const NoiseEstimate& estimate, double sigma)
-{
-    return NoiseEstimate(estimate.seeds(), std::vector<double>(std::size_t(estimate.size()), sigma),
-                         estimate.density());
 }
 
 /// Signs of all cells' normals: those on a plain piece of surface from its landmark, then the others from the oriented
@@ -270,28 +264,19 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     const UnitFrame frame(points);
     PhaseTimes times;
 
-    times.begin("noise");
     auto data = std::make_shared<AmlsSurface::Data>(frame);
     data->spatial = order_input(points);
     for (int i : data->spatial.order)
         data->points.push_back(frame.to_unit(points[i]));
-    NoiseOptions noise_options;
-    noise_options.threads = threads;
-    NoiseEstimate noise = estimate_noise(data->points, noise_options, progress.part(0, 0.05, "Noise"));
-    if (options.noise > 0)
-        noise = with_given_noise(noise, options.noise / frame.scale());
-
-    times.begin("width");
     data->point_search = BlockSearch(data->points);
-    const LocalScales scales =
-        choose_widths(data->points, data->point_search, noise, threads, progress.part(0.05, 0.15, "Width"));
-    times.begin("cells");
+    SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), threads,
+                                         times, progress.part(0, 0.35));
+    const NoiseEstimate noise = std::move(made.noise);
+    data->cells = std::move(made.cells);
+    data->cell_search = std::move(made.search);
+    data->cell_normals = std::move(made.normals);
     Cells& cells = data->cells;
-    cells = average_cells(data->points, scales, threads, progress.part(0.15, 0.2, "Cells"));
-    data->cell_search = BlockSearch(cells.means);
-    times.begin("normals");
     CellNormals& normals = data->cell_normals;
-    normals = estimate_cell_normals(cells, data->cell_search, threads, progress.part(0.2, 0.35, "Normals"));
     for (int c = 0; c < cells.size(); ++c)
         cells.scales[c].width *= normals.widening[c];
     AnchorChoice choice = choose_anchors(cells, normals, threads);

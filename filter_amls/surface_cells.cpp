@@ -1,0 +1,92 @@
+#include "surface_cells.h"
+
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// Shares of the points: fewer outliers are not worth a second look, more are no outliers.
+constexpr double few_outliers = 0.0005, many_outliers = 0.3;
+
+/// The noise the user gave in place of the estimate's.
+NoiseEstimate with_given_noise(const NoiseEstimate& estimate, double sigma)
+{
+    return NoiseEstimate(estimate.seeds(), std::vector<double>(std::size_t(estimate.size()), sigma),
+                         estimate.density());
+}
+
+} // namespace
+
+std::vector<int> list_outliers(const Cells& cells, const CellNormals& normals)
+{
+    std::vector<int> outliers;
+    for (std::size_t i = 0; i < cells.cell_of_point.size(); ++i)
+        if (normals.kinds[std::size_t(cells.cell_of_point[i])] == CellKind::outlier)
+            outliers.push_back(int(i));
+    return outliers;
+}
+
+SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise, int threads,
+                        PhaseTimes& times, const Progress& progress)
+{
+    times.begin("noise");
+    NoiseOptions options;
+    options.threads = threads;
+    SurfaceCells made{estimate_noise(points, options, progress.part(0, 0.15, "Noise")), {}, {}, {}};
+    if (given_noise > 0)
+        made.noise = with_given_noise(made.noise, given_noise);
+    times.begin("width");
+    const LocalScales scales = choose_widths(points, search, made.noise, threads, progress.part(0.15, 0.45, "Width"));
+    times.begin("cells");
+    made.cells = average_cells(points, scales, threads, progress.part(0.45, 0.6, "Cells"));
+    made.search = BlockSearch(made.cells.means);
+    times.begin("normals");
+    made.normals = estimate_cell_normals(made.cells, made.search, threads, progress.part(0.6, 1, "Normals"));
+    return made;
+}
+
+SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise, int threads,
+                              PhaseTimes& times, const Progress& progress)
+{
+    SurfaceCells first = make_cells(points, search, given_noise, threads, times, progress.part(0, 0.6));
+    const std::vector<int> outliers = list_outliers(first.cells, first.normals);
+    const double share = double(outliers.size()) / double(points.size());
+    if (share < few_outliers || share > many_outliers)
+        return first;
+    std::vector<char> is_outlier(points.size(), 0);
+    for (const int i : outliers)
+        is_outlier[std::size_t(i)] = 1;
+    Points rest;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!is_outlier[i])
+            rest.push_back(points[i]);
+    SurfaceCells made = make_cells(rest, BlockSearch(rest), given_noise, threads, times, progress.part(0.6, 1));
+    Cells& cells = made.cells;
+    std::vector<int> cell_of_point;
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        if (!is_outlier[i])
+        {
+            cell_of_point.push_back(cells.cell_of_point[next++]);
+            continue;
+        }
+        cell_of_point.push_back(cells.size());
+        cells.means.push_back(points[i]);
+        cells.counts.push_back(1);
+        cells.scales.push_back(first.cells.scales[std::size_t(first.cells.cell_of_point[i])]);
+        made.normals.normals.push_back(Vector::UnitZ());
+        made.normals.feet.push_back(points[i]);
+        made.normals.mass.push_back(0);
+        made.normals.company.push_back(0);
+        made.normals.kinds.push_back(CellKind::outlier);
+        made.normals.widening.push_back(1);
+    }
+    cells.cell_of_point = std::move(cell_of_point);
+    made.search = BlockSearch(cells.means);
+    return made;
+}
+
+} // namespace recon

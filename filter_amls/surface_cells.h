@@ -1,0 +1,35 @@
+#pragma once
+
+#include "cells.h"
+
+#include <recon/block_search.h>
+#include <recon/geometry.h>
+#include <recon/noise.h>
+#include <recon/progress.h>
+
+namespace recon
+{
+
+/// Cells of points, and what they were chosen by.
+struct SurfaceCells
+{
+    NoiseEstimate noise;
+    Cells cells;
+    BlockSearch search; ///< Of the cells' means.
+    CellNormals normals;
+};
+
+/// Steps 1 to 4 of README.md: noise, widths, cells, their unsigned normals. \param points distinct, in spatial order,
+/// of unit scale. \param search of the points. \param given_noise standard deviation [length], 0 = estimate.
+SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise, int threads,
+                        PhaseTimes& times, const Progress& progress = {});
+
+/// The same, and if there are outliers enough again without them, since they blur scales and are company of each other.
+/// They come last then, each a cell.
+SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise, int threads,
+                              PhaseTimes& times, const Progress& progress = {});
+
+/// Indices of the points in cells of kind outlier, ascending.
+std::vector<int> list_outliers(const Cells& cells, const CellNormals& normals);
+
+} // namespace recon
