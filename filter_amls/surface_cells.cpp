@@ -8,13 +8,38 @@ namespace
 {
 
 /// Shares of the points: fewer outliers are not worth a second look, more are no outliers.
-constexpr double few_outliers = 0.0005, many_outliers = 0.3;
+constexpr double few_outliers = 0.001, many_outliers = 0.3;
+/// Widths from the nearest other cell from which an outlier is no part of a thin, sparse wall.
+constexpr double far_off = 3;
 
 /// The noise the user gave in place of the estimate's.
 NoiseEstimate with_given_noise(const NoiseEstimate& estimate, double sigma)
 {
     return NoiseEstimate(estimate.seeds(), std::vector<double>(std::size_t(estimate.size()), sigma),
                          estimate.density());
+}
+
+/// How many of the outliers lie far from everything else.
+int count_far(const std::vector<int>& outliers, const Points& points, const SurfaceCells& made)
+{
+    const Cells& cells = made.cells;
+    Points means;
+    std::vector<double> reach;
+    for (int c = 0; c < cells.size(); ++c)
+        if (made.normals.kinds[std::size_t(c)] != CellKind::outlier)
+        {
+            means.push_back(cells.means[std::size_t(c)]);
+            reach.push_back(far_off * cells.scales[std::size_t(c)].width);
+        }
+    const BlockSearch search(means);
+    int far = 0;
+    for (const int i : outliers)
+    {
+        const int nearest = search.nearest(points[std::size_t(i)]);
+        far +=
+            nearest >= 0 && (means[std::size_t(nearest)] - points[std::size_t(i)]).norm() > reach[std::size_t(nearest)];
+    }
+    return far;
 }
 
 } // namespace
@@ -52,8 +77,8 @@ SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, d
 {
     SurfaceCells first = make_cells(points, search, given_noise, threads, times, progress.part(0, 0.6));
     const std::vector<int> outliers = list_outliers(first.cells, first.normals);
-    const double share = double(outliers.size()) / double(points.size());
-    if (share < few_outliers || share > many_outliers)
+    const auto few = few_outliers * double(points.size()), many = many_outliers * double(points.size());
+    if (double(outliers.size()) > many || double(outliers.size()) < few || count_far(outliers, points, first) < few)
         return first;
     std::vector<char> is_outlier(points.size(), 0);
     for (const int i : outliers)

@@ -24,8 +24,8 @@ struct SurfaceCells
 SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise, int threads,
                         PhaseTimes& times, const Progress& progress = {});
 
-/// The same, and if there are outliers enough again without them, since they blur scales and are company of each other.
-/// They come last then, each a cell.
+/// The same, and if there are outliers again without them, since they blur scales and are company of others. They come
+/// last then, each a cell. Not if hardly any lies far from all else: those are samples of thin, sparse walls.
 SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise, int threads,
                               PhaseTimes& times, const Progress& progress = {});
 

@@ -69,7 +69,7 @@ TEST(AmlsSurface, LeavesOutliersAlone)
 TEST(AmlsSurface, FindsOutliersThatAreNotQuiteAlone)
 {
     // One outlier for 20 points: each has some others within the window of a noisy, dense surface. Beside little noise
-    // they are no noisy patch.
+    // they are no noisy patch. A second look, without those found first, finds half of the others.
     for (const double sigma : {0.01, 0.004})
     {
         Points points = shapes::with_noise(shapes::sphere(60000, 1, 46).points, sigma, 48);
@@ -95,7 +95,7 @@ TEST(AmlsSurface, FindsOutliersThatAreNotQuiteAlone)
             }
         }
         ASSERT_GT(far, 1000);
-        EXPECT_GT(found, 0.9 * far) << far << ", " << sigma;
+        EXPECT_GT(found, 0.97 * far) << far << ", " << sigma;
         EXPECT_LT(mistaken, 0.001 * double(genuine)) << sigma;
     }
 }
