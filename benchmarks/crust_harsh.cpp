@@ -73,6 +73,12 @@ const std::vector<Cloud> clouds = {
      [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0.2, seed), 0.05, seed + 3); }},
     {"two scans at 0.2 %, 2 sigma apart",
      [](const Model& m, unsigned seed) { return misregistered(m.mesh.vertices, 0.002 * m.diagonal, seed); }},
+    {"no noise, 1 % outliers",
+     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0, seed), 0.01, seed + 4); }},
+    {"no noise, 5 % outliers",
+     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0, seed), 0.05, seed + 5); }},
+    {"0.05 %, 5 % outliers",
+     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0.05, seed), 0.05, seed + 6); }},
 };
 
 } // namespace

@@ -4,6 +4,8 @@
 
 #include <recon/block_search.h>
 #include <recon/median.h>
+#include <recon/parallel.h>
+#include <recon/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +23,8 @@ constexpr int neighbours = 6; // of the nearest
 /// Steps of the order, over the median of those around, above which a point is asked at all.
 constexpr double long_step = 3;
 constexpr std::size_t block = 32;
+constexpr std::size_t fewest_points = 100; // that have a surface of their own
+constexpr double most_isolated = 0.3;      // of the points: else they are no surface
 
 /// Whether a point lies farther from the nearest than this from its neighbours.
 bool is_alone(const Points& points, const BlockSearch& search, std::size_t i)
@@ -59,20 +63,45 @@ bool may_have_isolated_points(const Points& points)
     return false;
 }
 
+std::vector<int> drop_if_many(std::vector<int> isolated, const Points& points)
+{
+    if (double(isolated.size()) > most_isolated * double(points.size()))
+        isolated.clear();
+    return isolated;
+}
+
 } // namespace
 
 std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals)
 {
-    return may_have_isolated_points(points) ? list_outliers(cells, normals) : std::vector<int>();
+    if (!may_have_isolated_points(points))
+        return {};
+    return drop_if_many(list_outliers(cells, normals), points);
 }
 
 std::vector<int> find_isolated_points(const Points& points, int threads, const Progress& progress)
 {
-    if (!may_have_isolated_points(points))
+    if (points.size() < fewest_points || !may_have_isolated_points(points))
         return {};
     PhaseTimes times;
     const SurfaceCells made = make_cells_twice(points, BlockSearch(points), 0, threads, times, progress);
-    return list_outliers(made.cells, made.normals);
+    return drop_if_many(list_outliers(made.cells, made.normals), points);
+}
+
+std::vector<char> mark_isolated_points(const Points& points, int threads, const Progress& progress)
+{
+    std::vector<char> marks(points.size(), 0);
+    if (points.empty())
+        return marks;
+    const UnitFrame frame(points);
+    const SpatialOrder spatial = order_input(points);
+    std::vector<char> is_isolated(spatial.order.size(), 0);
+    const Points distinct = frame.to_unit(points_at(spatial.order, points));
+    for (const int i : find_isolated_points(distinct, resolve_threads(threads), progress))
+        is_isolated[std::size_t(i)] = 1;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        marks[i] = is_isolated[std::size_t(spatial.representative[i])];
+    return marks;
 }
 
 } // namespace recon

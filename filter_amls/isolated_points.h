@@ -12,11 +12,15 @@ namespace recon
 
 /// Indices of points of a clean cloud that have no part in its surface, ascending: of cells of kind outlier, if any
 /// point lies farther from the nearest than this from its neighbours. Else those cells are lone vertices of a coarse
-/// mesh. \param points distinct, in spatial order. \param cells, normals of these points.
+/// mesh. None if they were more than 0.3 of all: the points are no surface. \param points distinct, in spatial order.
+/// \param cells, normals of these points.
 std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals);
 
 /// The same, in a fiftieth of the time of a triangulation if no point lies alone, which most clean clouds have none of.
 /// \param points in the unit frame. \throws Cancelled.
 std::vector<int> find_isolated_points(const Points& points, int threads, const Progress& progress = {});
+
+/// Per point of any cloud, distinct or not, whether it is such. \throws InvalidInput for points that are not finite.
+std::vector<char> mark_isolated_points(const Points& points, int threads, const Progress& progress = {});
 
 } // namespace recon

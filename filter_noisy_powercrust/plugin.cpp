@@ -34,7 +34,7 @@ plugin::ParameterTable<Options> table()
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
                 "On: the points are projected onto a smooth surface (AMLS) and thinned before the crust is made; "
                 "outliers are left out. Off: the power crust of the points as they are. Automatic: on where the noise "
-                "is not far below the spacing of the points.")
+                "is not far below the spacing of the points; isolated points are left out of clean ones, too.")
         .flag("smooth", &Options::smooth, "Smooth",
               "Vertices of a noisy cloud's crust move onto its smooth surface, and where the points show a sharp edge "
               "onto the two faces that meet there; clean clouds are not smoothed. What closes holes of the scan is "

@@ -1,6 +1,7 @@
 #include "refine.h"
 #include "sharpen_normals.h"
 
+#include <filter_amls/isolated_points.h>
 #include <filter_amls/outward_normals.h>
 
 #include <meshlab/filter_spec.h>
@@ -157,6 +158,8 @@ plugin::FilterResult refine(const plugin::InputLayer& layer, const Options& opti
     }
     recon::PnRefineHints hints;
     hints.radii = layer.radii;
+    // Refinement itself sees only those that have no others beside them.
+    hints.is_isolated = recon::mark_isolated_points(layer.points, options.threads);
     if (options.selected_only)
         hints.is_refined = layer.selected;
     recon::PnRefinement refined =

@@ -67,7 +67,7 @@ public:
 private:
     void choose(const Progress& progress)
     {
-        choose_usable_samples(input_, frame_, crease_angle(), threads_, progress, usable_);
+        choose_usable_samples(input_, hints_.is_isolated, frame_, crease_angle(), threads_, progress, usable_);
         const auto warn = [&](int n, const std::string& one, const std::string& many)
         {
             if (n > 0)

@@ -32,6 +32,8 @@ void check_options(const OrientedSamples& samples, const PnRefineOptions& option
     require(samples.points.size() == samples.normals.size(), "There must be one normal for each point.");
     require(hints.radii.empty() || hints.radii.size() == samples.points.size(),
             "There must be one radius for each point.");
+    require(hints.is_isolated.empty() || hints.is_isolated.size() == samples.points.size(),
+            "There must be one mark for each point that says whether it is isolated.");
     require(hints.is_refined.empty() || hints.is_refined.size() == samples.points.size(),
             "There must be one mark for each point that says whether it is refined.");
     require(options.steps >= 0 && options.steps <= 30, "The number of steps must lie between 0 and 30.");

@@ -46,6 +46,7 @@ struct PnRefineHints
 {
     std::vector<double> radii;    ///< Per point, > distance to its farthest natural neighbour; others (<= 0) are found.
     std::vector<char> is_refined; ///< Per point: 0 = takes part as a neighbour only.
+    std::vector<char> is_isolated; ///< Per point: 1 = takes no part; others are told by how far their neighbours are.
 };
 
 /// Of one step.

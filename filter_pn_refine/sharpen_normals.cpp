@@ -53,7 +53,7 @@ Vectors sharpen_normals(const OrientedSamples& samples, const PnRefineOptions& o
     const int threads = resolve_threads(options.threads);
     UsableSamples usable;
     const UnitFrame frame(samples.points);
-    choose_usable_samples(samples, frame, crease_angle, threads, progress.part(0, 0.3, "normals"), usable);
+    choose_usable_samples(samples, {}, frame, crease_angle, threads, progress.part(0, 0.3, "normals"), usable);
     if (usable.input.empty())
         return samples.normals;
     const std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads);

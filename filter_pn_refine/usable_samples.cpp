@@ -67,7 +67,7 @@ void leave_out(const std::vector<char>& is_isolated, UsableSamples& usable)
         usable.sharing[kept] = kept_as[std::size_t(usable.sharing[i])];
         ++kept;
     }
-    usable.isolated = int(is_isolated.size() - kept);
+    usable.isolated += int(is_isolated.size() - kept);
     usable.samples.points.resize(kept);
     usable.samples.normals.resize(kept);
     usable.input.resize(kept);
@@ -140,8 +140,8 @@ std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added,
     return is_changed;
 }
 
-void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
-                           const Progress& progress, UsableSamples& usable)
+void choose_usable_samples(const OrientedSamples& input, const std::vector<char>& is_isolated, const UnitFrame& frame,
+                           double crease_angle, int threads, const Progress& progress, UsableSamples& usable)
 {
     const double same = std::cos(crease_angle);
     const SpatialOrder places = order_input(input.points);
@@ -160,6 +160,11 @@ void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame,
         const auto first = samples.points.size();
         for (; next != points.begin() + end_of_place; ++next)
         {
+            if (!is_isolated.empty() && is_isolated[std::size_t(*next)])
+            {
+                ++usable.isolated;
+                continue;
+            }
             const Vector& normal = input.normals[std::size_t(*next)];
             const double largest = normal.cwiseAbs().maxCoeff();
             if (!normal.allFinite() || !(largest > 0))
@@ -183,8 +188,9 @@ void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame,
     }
 
     update_nearest(usable, threads, progress.part(0.3, 0.9, "choosing points"));
+    const std::size_t before = usable.input.size();
     leave_out(find_isolated(samples.points, usable.nearest, threads), usable);
-    if (usable.isolated > 0 && !usable.input.empty())
+    if (usable.input.size() < before && !usable.input.empty())
         update_nearest(usable, threads);
     usable.beside.resize(usable.input.size());
     std::iota(usable.beside.begin(), usable.beside.end(), 0);

@@ -34,9 +34,10 @@ struct UsableSamples
 
 /// Takes all but points without a normal, further points at one position whose normals differ by at most `crease_angle`
 /// [radians] from one already there, and isolated points: those far from their neighbours compared with how far those
-/// are from theirs. \pre `usable` is empty.
-void choose_usable_samples(const OrientedSamples& input, const UnitFrame& frame, double crease_angle, int threads,
-                           const Progress& progress, UsableSamples& usable);
+/// are from theirs. \param is_isolated per point, whether it is known to be isolated; empty: nothing is known.
+/// \pre `usable` is empty.
+void choose_usable_samples(const OrientedSamples& input, const std::vector<char>& is_isolated, const UnitFrame& frame,
+                           double crease_angle, int threads, const Progress& progress, UsableSamples& usable);
 
 /// Per sample the next at its position, itself if it is alone: rings.
 std::vector<int> next_at_position(const UsableSamples& usable);

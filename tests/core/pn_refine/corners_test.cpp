@@ -101,7 +101,7 @@ TEST(Corners, TheirFacesAreToldFromTheSamplesAround)
             add({1, 1, 1 - i * l_spacing}, {x, y});
         }
         pn::UsableSamples usable;
-        pn::choose_usable_samples(samples, UnitFrame(samples.points), 0.8, 1, {}, usable);
+        pn::choose_usable_samples(samples, {}, UnitFrame(samples.points), 0.8, 1, {}, usable);
         const std::vector<std::uint32_t> sides = pn::sides_of_faces(usable);
         const std::vector<pn::FaceSector> sectors = pn::sectors_of_faces(usable, sides);
         for (std::size_t i = 0; i < sides.size(); ++i)

@@ -71,7 +71,7 @@ TEST(NormalNoise, IsEstimated)
     {
         pn::UsableSamples usable;
         const OrientedSamples samples = with_noisy_normals(clean, noise);
-        pn::choose_usable_samples(samples, UnitFrame(samples.points), 0.8, 1, {}, usable);
+        pn::choose_usable_samples(samples, {}, UnitFrame(samples.points), 0.8, 1, {}, usable);
         EXPECT_NEAR(pn::estimate_normal_noise(usable), noise, 0.03);
     }
 }

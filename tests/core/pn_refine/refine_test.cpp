@@ -316,6 +316,25 @@ TEST(RefinePoints, OnlyMarkedPointsAreRefined)
         EXPECT_GT(p.z(), -0.1);
 }
 
+TEST(RefinePoints, MarkedIsolatedPointsTakeNoPart)
+{
+    OrientedSamples samples = shapes::sphere(1000, 1, 9);
+    for (const Point& p : {Point(1.2, 0, 0), Point(1.2, 0.04, 0), Point(0, 1.15, 0)})
+    {
+        samples.points.push_back(p);
+        samples.normals.push_back(Vector::UnitZ());
+    }
+    PnRefineHints hints;
+    hints.is_isolated.assign(1000, 0);
+    EXPECT_THROW(refine_points(samples, one_thread(2), hints), InvalidInput);
+    hints.is_isolated.resize(1003, 1);
+    const PnRefinement refined = refine_points(samples, one_thread(2), hints);
+    EXPECT_EQ(refined.left_out, 3);
+    EXPECT_GT(refined.points.size(), 2800u);
+    for (const Point& p : refined.points)
+        EXPECT_LT(shapes::distance_to_sphere(p, 1), 1e-3);
+}
+
 TEST(RefinePoints, NoStepBeyondTheLargestNumberOfPoints)
 {
     const OrientedSamples samples = shapes::sphere(1000, 1, 10);

@@ -245,7 +245,7 @@ TEST(InitialFans, AreTheSameWhereOnlyThoseNearAddedSamplesAreFoundAgain)
     const OrientedSamples input = shapes::sphere(3000, 1, 4);
     const UnitFrame frame(input.points);
     pn::UsableSamples usable;
-    pn::choose_usable_samples(input, frame, 0.8, 1, {}, usable);
+    pn::choose_usable_samples(input, {}, frame, 0.8, 1, {}, usable);
     const auto find = [&](const pn::InitialFans* before, const std::vector<char>& is_changed)
     {
         return pn::find_initial_fans(usable.samples, *usable.search, usable.nearest, usable.is_crease, 0.8, 1.5, 1, {},
