@@ -5,11 +5,14 @@
 #include <recon/block_search.h>
 #include <recon/median.h>
 #include <recon/parallel.h>
+#include <recon/patch_fit.h>
 #include <recon/spatial_order.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace recon
 {
@@ -25,6 +28,11 @@ constexpr double long_step = 3;
 constexpr std::size_t block = 32;
 constexpr std::size_t fewest_points = 100; // that have a surface of their own
 constexpr double most_isolated = 0.3;      // of the points: else they are no surface
+constexpr double few_isolated = 0.001;     // of the points: they will have no strays among the others
+constexpr double pi = 3.14159265358979323846;
+constexpr int stray_neighbours = 20, worst_neighbours = 3; // other strays among these
+/// Distance from its neighbours' quadric [their root mean square distances, spacings] from which a point is a stray.
+constexpr double stray_heights = 8, stray_off = 0.5;
 
 /// Whether a point lies farther from the nearest than this from its neighbours.
 bool is_alone(const Points& points, const BlockSearch& search, std::size_t i)
@@ -63,20 +71,69 @@ bool may_have_isolated_points(const Points& points)
     return false;
 }
 
-std::vector<int> drop_if_many(std::vector<int> isolated, const Points& points)
+/// Whether a point lies off the quadric through its neighbours, all but the worst of them, much farther than these.
+/// \param search of `points`, among which it is.
+bool is_stray(const Points& points, const BlockSearch& search, const Point& point)
+{
+    std::array<int, 1 + stray_neighbours> near;
+    std::array<double, 1 + stray_neighbours> squared;
+    if (search.nearest(point, int(near.size()), near.data(), squared.data()) < int(near.size()))
+        return false;
+    const double radius = std::sqrt(squared.back()), spacing = radius * std::sqrt(pi / stray_neighbours);
+    std::vector<PatchResidual> residuals;
+    const auto height_of = [&](const PatchFit& fit) { return (fit.foot - point).norm(); };
+    if (height_of(fit_patch(points, point, &near[1], stray_neighbours, radius, residuals)) < 0.5 * stray_off * spacing)
+        return false;
+    std::array<int, stray_neighbours> order, best;
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b)
+              {
+                  const double x = std::abs(residuals[std::size_t(a)].height),
+                               y = std::abs(residuals[std::size_t(b)].height);
+                  return x < y || (x == y && a < b);
+              });
+    std::transform(order.begin(), order.end(), best.begin(), [&](int k) { return near[std::size_t(1 + k)]; });
+    const PatchFit fit = fit_patch(points, point, best.data(), stray_neighbours - worst_neighbours, radius, residuals);
+    return height_of(fit) > std::max(stray_heights * fit.height, stray_off * spacing);
+}
+
+/// With points nearer to the surface than isolated ones can be told, where there are isolated ones; none if these are
+/// too many.
+std::vector<int> with_strays(std::vector<int> isolated, const Points& points, int threads)
 {
     if (double(isolated.size()) > most_isolated * double(points.size()))
         isolated.clear();
+    if (double(isolated.size()) < few_isolated * double(points.size()) || isolated.empty())
+        return isolated;
+    std::vector<char> is_left_out(points.size(), 0);
+    for (const int i : isolated)
+        is_left_out[std::size_t(i)] = 1;
+    Points rest;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!is_left_out[i])
+            rest.push_back(points[i]);
+    const BlockSearch search(rest);
+    parallel_for(points.size(), threads, {},
+                 [&](std::size_t i)
+                 {
+                     if (!is_left_out[i])
+                         is_left_out[i] = is_stray(rest, search, points[i]);
+                 });
+    isolated.clear();
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (is_left_out[i])
+            isolated.push_back(int(i));
     return isolated;
 }
 
 } // namespace
 
-std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals)
+std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals, int threads)
 {
     if (!may_have_isolated_points(points))
         return {};
-    return drop_if_many(list_outliers(cells, normals), points);
+    return with_strays(list_outliers(cells, normals), points, threads);
 }
 
 std::vector<int> find_isolated_points(const Points& points, int threads, const Progress& progress)
@@ -85,7 +142,7 @@ std::vector<int> find_isolated_points(const Points& points, int threads, const P
         return {};
     PhaseTimes times;
     const SurfaceCells made = make_cells_twice(points, BlockSearch(points), 0, threads, times, progress);
-    return drop_if_many(list_outliers(made.cells, made.normals), points);
+    return with_strays(list_outliers(made.cells, made.normals), points, threads);
 }
 
 std::vector<char> mark_isolated_points(const Points& points, int threads, const Progress& progress)

@@ -12,9 +12,11 @@ namespace recon
 
 /// Indices of points of a clean cloud that have no part in its surface, ascending: of cells of kind outlier, if any
 /// point lies farther from the nearest than this from its neighbours. Else those cells are lone vertices of a coarse
-/// mesh. None if they were more than 0.3 of all: the points are no surface. \param points distinct, in spatial order.
-/// \param cells, normals of these points.
-std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals);
+/// mesh. Where there are such, also strays: nearer ones, far off the quadric through their neighbours. None if they
+/// were more than 0.3 of all: the points are no surface. \param points distinct, in spatial order. \param cells,
+/// normals of these points.
+std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals,
+                                      int threads);
 
 /// The same, in a fiftieth of the time of a triangulation if no point lies alone, which most clean clouds have none of.
 /// \param points in the unit frame. \throws Cancelled.

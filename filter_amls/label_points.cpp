@@ -40,9 +40,9 @@ constexpr double exact_roughness = 0.05;
 constexpr double resolved = 0.02;
 
 /// The distinct points, in spatial order as indices of the input, but for isolated ones.
-std::vector<int> list_without_isolated(const Points& points, const AmlsSurface::Data& data)
+std::vector<int> list_without_isolated(const Points& points, const AmlsSurface::Data& data, int threads)
 {
-    const std::vector<int> isolated = list_isolated_points(data.points, data.cells, data.cell_normals);
+    const std::vector<int> isolated = list_isolated_points(data.points, data.cells, data.cell_normals, threads);
     return isolated.empty() ? data.spatial.order : order_without(isolated, data.spatial.order, points);
 }
 
@@ -157,7 +157,7 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
                                                   const Progress& progress)
 {
     times.begin("gate");
-    const std::vector<int> kept = list_without_isolated(points, surface.data());
+    const std::vector<int> kept = list_without_isolated(points, surface.data(), labelling.threads);
     const int isolated = int(surface.data().points.size() - kept.size());
     Points distinct = points_at(kept, points);
     // Not that of all points, see label_surface().

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 using namespace recon;
 
@@ -56,6 +57,25 @@ TEST(IsolatedPoints, OneIsMarkedToo)
         EXPECT_EQ(std::count(marks.begin(), marks.end(), 1), 1) << off;
         EXPECT_EQ(marks.back(), 1) << off;
     }
+}
+
+TEST(IsolatedPoints, StraysNearTheSurfaceAreMarkedWhereThereAreOutliers)
+{
+    const Points torus = shapes::torus(6000, 1, 0.3, 3).points;
+    const double spacing = std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
+    const OrientedSamples under = shapes::torus(60, 1, 0.3, 8);
+    Points points = torus;
+    for (std::size_t i = 0; i < under.points.size(); ++i)
+        points.push_back(under.points[i] + 1.2 * spacing * under.normals[i]);
+    const std::size_t near = points.size();
+    EXPECT_EQ(count_marks(points), 0) << "who knows what they are";
+    for (const Point& p : scatter(100, {-2, -2, -2}, {2, 2, 2}, 5))
+        points.push_back(p);
+    const std::vector<char> marks = mark_isolated_points(points, 2);
+    const auto from = [&](std::size_t i) { return marks.begin() + std::ptrdiff_t(i); };
+    EXPECT_EQ(std::count(from(0), from(torus.size()), 1), 0);
+    EXPECT_GE(std::count(from(torus.size()), from(near), 1), 55);
+    EXPECT_EQ(marks, mark_isolated_points(points, 1));
 }
 
 TEST(IsolatedPoints, CoarseAndUnevenCloudsHaveNone)
