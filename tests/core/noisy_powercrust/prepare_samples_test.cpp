@@ -80,24 +80,15 @@ TEST(PrepareSamples, OutliersOfACleanCloudAreLeftOut)
 
 TEST(PrepareSamples, LoneVerticesOfACoarseMeshAreNoOutliers)
 {
-    // Its edges are finely divided, its faces hold one vertex each.
-    Points box;
-    constexpr int steps = 40;
-    for (int i = 0; i <= steps; ++i)
-        for (int axis = 0; axis < 3; ++axis)
-            for (const double u : {-1.0, 1.0})
-                for (const double v : {-1.0, 1.0})
-                {
-                    Point p;
-                    p[axis] = 2.0 * i / steps - 1;
-                    p[(axis + 1) % 3] = u;
-                    p[(axis + 2) % 3] = v;
-                    box.push_back(p);
-                }
-    for (int axis = 0; axis < 3; ++axis)
-        for (const double side : {-1.0, 1.0})
-            box.push_back(side * Vector::Unit(axis));
-    EXPECT_EQ(prepare(box).isolated, 0);
+    // Two finely divided rims, six vertices between.
+    Points barrel;
+    constexpr int steps = 100;
+    for (int i = 0; i < steps; ++i)
+        for (const double z : {-3.0, 3.0})
+            barrel.emplace_back(std::cos(2 * EIGEN_PI * i / steps), std::sin(2 * EIGEN_PI * i / steps), z);
+    for (int i = 0; i < 6; ++i)
+        barrel.emplace_back(1.4 * std::cos(i), 1.4 * std::sin(i), 0.9 * std::sin(3 * i));
+    EXPECT_EQ(prepare(barrel).isolated, 0);
 }
 
 TEST(PrepareSamples, ThinWallsAreNoNoiseThoughTheEstimateSaysSo)
