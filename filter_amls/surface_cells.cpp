@@ -80,30 +80,22 @@ SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, d
     const auto few = few_outliers * double(points.size()), many = many_outliers * double(points.size());
     if (double(outliers.size()) > many || double(outliers.size()) < few || count_far(outliers, points, first) < few)
         return first;
-    std::vector<char> is_outlier(points.size(), 0);
-    for (const int i : outliers)
-        is_outlier[std::size_t(i)] = 1;
-    Points rest;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (!is_outlier[i])
-            rest.push_back(points[i]);
+    const std::vector<int> others = list_others(points.size(), outliers);
+    const Points rest = points_at(others, points);
     SurfaceCells made = make_cells(rest, BlockSearch(rest), given_noise, threads, times, progress.part(0.6, 1));
     Cells& cells = made.cells;
-    std::vector<int> cell_of_point;
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < points.size(); ++i)
+    std::vector<int> cell_of_point(points.size());
+    for (std::size_t i = 0; i < rest.size(); ++i)
+        cell_of_point[std::size_t(others[i])] = cells.cell_of_point[i];
+    for (const int i : outliers)
     {
-        if (!is_outlier[i])
-        {
-            cell_of_point.push_back(cells.cell_of_point[next++]);
-            continue;
-        }
-        cell_of_point.push_back(cells.size());
-        cells.means.push_back(points[i]);
+        const Point& point = points[std::size_t(i)];
+        cell_of_point[std::size_t(i)] = cells.size();
+        cells.means.push_back(point);
         cells.counts.push_back(1);
-        cells.scales.push_back(first.cells.scales[std::size_t(first.cells.cell_of_point[i])]);
+        cells.scales.push_back(first.cells.scales[std::size_t(first.cells.cell_of_point[std::size_t(i)])]);
         made.normals.normals.push_back(Vector::UnitZ());
-        made.normals.feet.push_back(points[i]);
+        made.normals.feet.push_back(point);
         made.normals.mass.push_back(0);
         made.normals.company.push_back(0);
         made.normals.kinds.push_back(CellKind::outlier);

@@ -159,11 +159,13 @@ plugin::FilterResult refine(const plugin::InputLayer& layer, const Options& opti
     recon::PnRefineHints hints;
     hints.radii = layer.radii;
     // Refinement itself sees only those that have no others beside them.
-    hints.is_isolated = recon::mark_isolated_points(layer.points, options.threads);
+    const double begin = own_normals ? 0 : 0.3;
+    hints.is_isolated = recon::mark_isolated_points(layer.points, options.threads,
+                                                    progress.part(begin, begin + 0.1, "isolated points"));
     if (options.selected_only)
         hints.is_refined = layer.selected;
     recon::PnRefinement refined =
-        recon::refine_points(samples, options, hints, progress.part(own_normals ? 0 : 0.3, 1, "refining"));
+        recon::refine_points(samples, options, hints, progress.part(begin + 0.1, 1, "refining"));
     describe(refined, result);
     if (options.steps > 0 && refined.points.empty())
         result.warnings.push_back("No point was added. Usual causes: an initial radius far from the points' spacing, a "

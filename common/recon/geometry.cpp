@@ -31,6 +31,19 @@ Points points_at(const std::vector<int>& indices, const Points& points)
     return result;
 }
 
+std::vector<int> list_others(std::size_t count, const std::vector<int>& left_out)
+{
+    std::vector<int> result;
+    result.reserve(count - left_out.size());
+    auto next = left_out.begin();
+    for (int i = 0; i < int(count); ++i)
+        if (next != left_out.end() && *next == i)
+            ++next;
+        else
+            result.push_back(i);
+    return result;
+}
+
 Box bounding_box(const Points& points)
 {
     Box box;

@@ -44,6 +44,9 @@ struct Box
 /// The points of those indices.
 Points points_at(const std::vector<int>& indices, const Points& points);
 
+/// The numbers below `count` but those in `left_out`, which ascend.
+std::vector<int> list_others(std::size_t count, const std::vector<int>& left_out);
+
 Box bounding_box(const Points& points);
 
 /// The frame in which all algorithms compute: centred, box diagonal 1. Coordinates like UTM's or of 1e-30 lose nothing

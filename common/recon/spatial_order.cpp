@@ -196,14 +196,9 @@ SpatialOrder order_input(const Points& points)
 
 std::vector<int> order_without(const std::vector<int>& left_out, const std::vector<int>& order, const Points& points)
 {
-    std::vector<int> kept;
-    auto next = left_out.begin();
-    for (int i = 0; i < int(order.size()); ++i)
-        if (next != left_out.end() && *next == i)
-            ++next;
-        else
-            kept.push_back(order[i]);
-    std::vector<int> result;
+    std::vector<int> kept, result;
+    for (const int i : list_others(order.size(), left_out))
+        kept.push_back(order[i]);
     for (const int i : order_input(points_at(kept, points)).order)
         result.push_back(kept[i]);
     return result;
