@@ -58,6 +58,13 @@ struct Cloud
     std::function<Points(const Model&, unsigned seed)> make;
 };
 
+/// Cells of the grids with a share of outliers. \param salt makes each row's outliers its own.
+std::function<Points(const Model&, unsigned seed)> beside_outliers(double percent, double share, unsigned salt)
+{
+    return [=](const Model& m, unsigned seed)
+    { return with_outliers(noisy_cloud(m, percent, seed), share, seed + salt); };
+}
+
 const std::vector<Cloud> clouds = {
     {"one per vertex, 0.1 %",
      [](const Model& m, unsigned seed) { return shapes::with_noise(m.mesh.vertices, 0.001 * m.diagonal, seed); }},
@@ -67,18 +74,13 @@ const std::vector<Cloud> clouds = {
      [](const Model& m, unsigned seed) { return thinned(noisy_cloud(m, 0.2, seed), 5, seed + 1); }},
     {"0.2 %, thinned 20 x",
      [](const Model& m, unsigned seed) { return thinned(noisy_cloud(m, 0.2, seed), 20, seed + 1); }},
-    {"0.2 %, 1 % outliers",
-     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0.2, seed), 0.01, seed + 2); }},
-    {"0.2 %, 5 % outliers",
-     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0.2, seed), 0.05, seed + 3); }},
+    {"0.2 %, 1 % outliers", beside_outliers(0.2, 0.01, 2)},
+    {"0.2 %, 5 % outliers", beside_outliers(0.2, 0.05, 3)},
     {"two scans at 0.2 %, 2 sigma apart",
      [](const Model& m, unsigned seed) { return misregistered(m.mesh.vertices, 0.002 * m.diagonal, seed); }},
-    {"no noise, 1 % outliers",
-     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0, seed), 0.01, seed + 4); }},
-    {"no noise, 5 % outliers",
-     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0, seed), 0.05, seed + 5); }},
-    {"0.05 %, 5 % outliers",
-     [](const Model& m, unsigned seed) { return with_outliers(noisy_cloud(m, 0.05, seed), 0.05, seed + 6); }},
+    {"no noise, 1 % outliers", beside_outliers(0, 0.01, 4)},
+    {"no noise, 5 % outliers", beside_outliers(0, 0.05, 5)},
+    {"0.05 %, 5 % outliers", beside_outliers(0.05, 0.05, 6)},
 };
 
 } // namespace

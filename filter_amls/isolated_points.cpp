@@ -12,7 +12,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace recon
 {
@@ -47,7 +47,7 @@ bool is_alone(const Points& points, const BlockSearch& search, std::size_t i)
 }
 
 /// Whether some points lie alone. Asks those to which neither the one before nor the one behind in the order is near.
-bool may_have_isolated_points(const Points& points)
+bool may_have_isolated_points(const Points& points, const BlockSearch& search)
 {
     const std::size_t n = points.size();
     std::vector<double> steps(n, std::numeric_limits<double>::infinity());
@@ -57,7 +57,6 @@ bool may_have_isolated_points(const Points& points)
         steps[i - 1] = std::min(steps[i - 1], step);
         steps[i] = step;
     }
-    const BlockSearch search(points);
     std::vector<double> around;
     for (std::size_t begin = 0, end = 0; begin < n; begin = end)
     {
@@ -84,17 +83,14 @@ bool is_stray(const Points& points, const BlockSearch& search, std::size_t i)
     const auto height_of = [&](const PatchFit& fit) { return (fit.foot - point).norm(); };
     if (height_of(fit_patch(points, point, &near[1], stray_neighbours, radius, residuals)) < 0.5 * stray_off * spacing)
         return false;
-    std::array<int, stray_neighbours> order, best;
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](int a, int b)
-              {
-                  const double x = std::abs(residuals[std::size_t(a)].height),
-                               y = std::abs(residuals[std::size_t(b)].height);
-                  return x < y || (x == y && a < b);
-              });
-    std::transform(order.begin(), order.end(), best.begin(), [&](int k) { return near[std::size_t(1 + k)]; });
-    const PatchFit fit = fit_patch(points, point, best.data(), stray_neighbours - worst_neighbours, radius, residuals);
+    std::array<std::pair<double, int>, stray_neighbours> by_height;
+    for (std::size_t k = 0; k < by_height.size(); ++k)
+        by_height[k] = {std::abs(residuals[k].height), near[1 + k]};
+    std::sort(by_height.begin(), by_height.end());
+    std::array<int, stray_neighbours - worst_neighbours> best;
+    for (std::size_t k = 0; k < best.size(); ++k)
+        best[k] = by_height[k].second;
+    const PatchFit fit = fit_patch(points, point, best.data(), int(best.size()), radius, residuals);
     return height_of(fit) > std::max(stray_heights * fit.height, stray_off * spacing);
 }
 
@@ -102,9 +98,10 @@ bool is_stray(const Points& points, const BlockSearch& search, std::size_t i)
 /// too many.
 std::vector<int> with_strays(std::vector<int> isolated, const Points& points, int threads)
 {
-    if (double(isolated.size()) > most_isolated * double(points.size()))
-        isolated.clear();
-    if (double(isolated.size()) < few_isolated * double(points.size()) || isolated.empty())
+    const double share = double(isolated.size()) / double(points.size());
+    if (share > most_isolated)
+        return {};
+    if (share < few_isolated)
         return isolated;
     const std::vector<int> others = list_others(points.size(), isolated);
     const Points rest = points_at(others, points);
@@ -120,19 +117,23 @@ std::vector<int> with_strays(std::vector<int> isolated, const Points& points, in
 
 } // namespace
 
-std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals, int threads)
+std::vector<int> list_isolated_points(const Points& points, const BlockSearch& search, const Cells& cells,
+                                      const CellNormals& normals, int threads)
 {
-    if (!may_have_isolated_points(points))
+    if (!may_have_isolated_points(points, search))
         return {};
     return with_strays(list_outliers(cells, normals), points, threads);
 }
 
 std::vector<int> find_isolated_points(const Points& points, int threads, const Progress& progress)
 {
-    if (points.size() < fewest_points || !may_have_isolated_points(points))
+    if (points.size() < fewest_points)
+        return {};
+    const BlockSearch search(points);
+    if (!may_have_isolated_points(points, search))
         return {};
     PhaseTimes times;
-    const SurfaceCells made = make_cells_twice(points, BlockSearch(points), 0, threads, times, progress);
+    const SurfaceCells made = make_cells_twice(points, search, 0, threads, times, progress);
     return with_strays(list_outliers(made.cells, made.normals), points, threads);
 }
 

@@ -2,6 +2,7 @@
 
 #include "cells.h"
 
+#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -13,10 +14,10 @@ namespace recon
 /// Indices of points of a clean cloud that have no part in its surface, ascending: of cells of kind outlier, if any
 /// point lies farther from the nearest than this from its neighbours. Else those cells are lone vertices of a coarse
 /// mesh. Where there are such, also strays: nearer ones, far off the quadric through their neighbours. None if they
-/// were more than 0.3 of all: the points are no surface. \param points distinct, in spatial order. \param cells,
-/// normals of these points.
-std::vector<int> list_isolated_points(const Points& points, const Cells& cells, const CellNormals& normals,
-                                      int threads);
+/// were more than 0.3 of all: the points are no surface. \param points distinct, in spatial order. \param search,
+/// cells, normals of these points.
+std::vector<int> list_isolated_points(const Points& points, const BlockSearch& search, const Cells& cells,
+                                      const CellNormals& normals, int threads);
 
 /// The same, in a fiftieth of the time of a triangulation if no point lies alone, which most clean clouds have none of.
 /// \param points in the unit frame. \throws Cancelled.

@@ -42,7 +42,8 @@ constexpr double resolved = 0.02;
 /// The distinct points, in spatial order as indices of the input, but for isolated ones.
 std::vector<int> list_without_isolated(const Points& points, const AmlsSurface::Data& data, int threads)
 {
-    const std::vector<int> isolated = list_isolated_points(data.points, data.cells, data.cell_normals, threads);
+    const std::vector<int> isolated =
+        list_isolated_points(data.points, data.point_search, data.cells, data.cell_normals, threads);
     return isolated.empty() ? data.spatial.order : order_without(isolated, data.spatial.order, points);
 }
 

@@ -36,6 +36,16 @@ double uniform(Random& random)
     return double(random() >> 11) * 0x1p-53;
 }
 
+Points scattered(int n, const Vector& sides, std::uint64_t seed)
+{
+    Random random(seed);
+    Points points(std::size_t(n), Point::Zero());
+    for (Point& p : points)
+        for (int k = 0; k < 3; ++k)
+            p[k] = sides[k] * uniform(random) - 0.5 * sides[k];
+    return points;
+}
+
 OrientedSamples sphere(int n, double radius, std::uint64_t seed)
 {
     return ellipsoid(n, Vector::Constant(radius), seed);

@@ -36,6 +36,8 @@ recon::Points sphere_below(double z, int n, double radius, std::uint64_t seed);
 recon::OrientedSamples torus(int n, double major, double minor, std::uint64_t seed);
 /// Axis-aligned box centred at the origin.
 recon::OrientedSamples box(int n, const recon::Vector& sides, std::uint64_t seed);
+/// Random points anywhere in such a box.
+recon::Points scattered(int n, const recon::Vector& sides, std::uint64_t seed);
 /// Ellipsoid with the given half axes (area-uniform by rejection).
 recon::OrientedSamples ellipsoid(int n, const recon::Vector& half_axes, std::uint64_t seed);
 /// Cylinder of half length `half_length` along z with hemispherical caps.

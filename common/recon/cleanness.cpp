@@ -159,9 +159,11 @@ double measure_flat_neighbours(const Points& samples, const BlockSearch& search,
 
 Cleanness measure_cleanness(const Points& samples, int threads)
 {
+    if (samples.empty())
+        return {};
     constexpr int seeds = 400;
     const std::size_t n = samples.size();
-    const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = n == 0 ? 0 : (n - 1) / stride + 1;
+    const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = (n - 1) / stride + 1;
     const BlockSearch search(samples);
     std::vector<Place> places(count);
     const auto examine = [&](std::size_t k)

@@ -31,7 +31,7 @@ struct Cleanness
     /// which half is noisy (armadillo 0.03); of 100 clean clouds none with a share above 0.09 has a roughness below
     /// 0.07.
     double lower_roughness = 0, noisy_places = 0;
-    static constexpr double many_noisy = 0.1;
+    static constexpr double many_noisy = 0.1; ///< Of the latter: more need not lie side by side.
     /// The same share while it is at most many_noisy, each such sample weighed by the share of such among 8 of its 256
     /// nearest: a noisy part has them side by side, detail here and there. 0 of few samples, which share their
     /// neighbours and are alike. Measured on 58 models: 0.003 to 0.02 with a noisy tenth, an eighth to 0.43 of the

@@ -12,18 +12,6 @@ using namespace recon;
 namespace
 {
 
-Points scatter(int n, const Point& from, const Point& to, unsigned seed)
-{
-    shapes::Random random(seed);
-    Points points;
-    for (int i = 0; i < n; ++i)
-    {
-        const double x = shapes::uniform(random), y = shapes::uniform(random), z = shapes::uniform(random);
-        points.push_back(from + Point(x, y, z).cwiseProduct(to - from));
-    }
-    return points;
-}
-
 int count_marks(const Points& points, int threads = 2)
 {
     const std::vector<char> marks = mark_isolated_points(points, threads);
@@ -37,7 +25,7 @@ TEST(IsolatedPoints, ScatteredOnesAreMarkedAndNoOthers)
     const Points torus = shapes::torus(6000, 1, 0.3, 3).points;
     EXPECT_EQ(count_marks(torus), 0);
     Points points = torus;
-    for (const Point& p : scatter(400, {-2, -2, -2}, {2, 2, 2}, 5))
+    for (const Point& p : shapes::scattered(400, {4, 4, 4}, 5))
         if (shapes::distance_to_torus(p, 1, 0.3) > 0.2)
             points.push_back(p);
     points.push_back(points.back()); // twice: both
@@ -69,7 +57,7 @@ TEST(IsolatedPoints, StraysNearTheSurfaceAreMarkedWhereThereAreOutliers)
         points.push_back(under.points[i] + 1.2 * spacing * under.normals[i]);
     const std::size_t near = points.size();
     EXPECT_EQ(count_marks(points), 0) << "who knows what they are";
-    for (const Point& p : scatter(100, {-2, -2, -2}, {2, 2, 2}, 5))
+    for (const Point& p : shapes::scattered(100, {4, 4, 4}, 5))
         points.push_back(p);
     const std::vector<char> marks = mark_isolated_points(points, 2);
     const auto from = [&](std::size_t i) { return marks.begin() + std::ptrdiff_t(i); };

@@ -45,13 +45,8 @@ TEST(AmlsSurface, LeavesOutliersAlone)
 {
     Points points = shapes::with_noise(shapes::sphere(8000, 1, 21).points, 0.01, 22);
     const std::size_t n = points.size();
-    shapes::Random random(23);
-    const auto coordinate = [&] { return 6.0 * shapes::uniform(random) - 3.0; };
-    for (int i = 0; i < 80; ++i)
-    {
-        const double x = coordinate(), y = coordinate();
-        points.emplace_back(x, y, coordinate());
-    }
+    for (const Point& p : shapes::scattered(80, {6, 6, 6}, 23))
+        points.push_back(p);
     const AmlsProjection result = project_all(points);
     int far = 0, left = 0;
     for (std::size_t i = n; i < points.size(); ++i)
@@ -74,13 +69,8 @@ TEST(AmlsSurface, FindsOutliersThatAreNotQuiteAlone)
     {
         Points points = shapes::with_noise(shapes::sphere(60000, 1, 46).points, sigma, 48);
         const std::size_t genuine = points.size();
-        shapes::Random random(47);
-        const auto coordinate = [&] { return 2.4 * shapes::uniform(random) - 1.2; };
-        for (std::size_t i = 0; i < genuine / 20; ++i)
-        {
-            const double x = coordinate(), y = coordinate();
-            points.emplace_back(x, y, coordinate());
-        }
+        for (const Point& p : shapes::scattered(int(genuine) / 20, {2.4, 2.4, 2.4}, 47))
+            points.push_back(p);
         const AmlsProjection result = project_all(points);
         int mistaken = 0, far = 0, found = 0;
         for (std::size_t i = 0; i < points.size(); ++i)

@@ -113,6 +113,14 @@ TEST(Cleanness, NoiseInOnePartIsToldFromACloudThatIsCoarseAllOver)
         EXPECT_FALSE(measure_cleanness(in_order(shapes::box(n, {3, 2, 1}, 3).points), 1).is_noisy_in_parts()) << n;
 }
 
+TEST(Cleanness, OfNoPointsIsNone)
+{
+    const Cleanness none = measure_cleanness({}, 1);
+    EXPECT_EQ(none.noisy_places, 0);
+    EXPECT_FALSE(none.is_clean());
+    EXPECT_FALSE(none.is_noisy_in_parts());
+}
+
 TEST(Cleanness, IsTheSameForAnyNumberOfThreads)
 {
     const Points plate = sample_plate(1.5, 20);

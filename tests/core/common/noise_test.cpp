@@ -195,13 +195,8 @@ TEST(EstimateNoise, IsNotMovedByOutliersOrDuplicates)
 {
     Points points = noisy_torus(20000, 0.3, 17);
     const double before = estimate_noise(points).median_sigma();
-    shapes::Random random(18);
-    for (int i = 0; i < 1000; ++i)
-    {
-        const auto coordinate = [&] { return 3.0 * shapes::uniform(random) - 1.5; };
-        const double x = coordinate(), y = coordinate();
-        points.emplace_back(x, y, coordinate());
-    }
+    for (const Point& p : shapes::scattered(1000, {3, 3, 3}, 18))
+        points.push_back(p);
     EXPECT_NEAR(estimate_noise(points).median_sigma() / before, 1, 0.05);
 
     Points twice = points;

@@ -60,14 +60,9 @@ TEST(PrepareSamples, OutliersOfACleanCloudAreLeftOut)
     const Points torus = shapes::torus(8000, 1, 0.3, 3).points;
     EXPECT_EQ(prepare(torus).isolated, 0);
     Points points = torus;
-    shapes::Random random(7);
-    while (points.size() < 8100)
-    {
-        const double x = shapes::uniform(random), y = shapes::uniform(random), z = shapes::uniform(random);
-        const Point p = Point::Constant(-2) + 4 * Point(x, y, z);
-        if (shapes::distance_to_torus(p, 1, 0.3) > 0.2)
+    for (const Point& p : shapes::scattered(200, {4, 4, 4}, 7))
+        if (points.size() < 8100 && shapes::distance_to_torus(p, 1, 0.3) > 0.2)
             points.push_back(p);
-    }
     const PreparedSamples cloud = prepare(points), alone = prepare(torus);
     EXPECT_FALSE(cloud.denoised);
     EXPECT_EQ(cloud.isolated, 100);

@@ -289,12 +289,8 @@ TEST(NoisyPowerCrust, OutliersAroundCleanPointsMakeNoShell)
     for (const double share : {0.002, 0.05})
     {
         Points points = torus;
-        shapes::Random random(7);
-        while (double(points.size()) < (1 + share) * double(torus.size()))
-        {
-            const double x = shapes::uniform(random), y = shapes::uniform(random), z = shapes::uniform(random);
-            points.emplace_back(3 * x - 1.5, 3 * y - 1.5, 0.8 * z - 0.4);
-        }
+        for (const Point& p : shapes::scattered(int(std::lround(share * double(torus.size()))), {3, 3, 0.8}, 7))
+            points.push_back(p);
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
         EXPECT_EQ(crust.components, 1) << share;
         EXPECT_EQ(crust.genus, 1) << share;
