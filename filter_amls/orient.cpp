@@ -2,6 +2,7 @@
 
 #include "feature_size.h"
 #include "label_balls.h"
+#include "turn_patches.h"
 
 #include <recon/block_search.h>
 #include <recon/disjoint_sets.h>
@@ -32,6 +33,9 @@ constexpr double off_sheet = 0.85;   // spacings over the tangent plane: neighbo
 constexpr double gap_spacings = 8;   // an edge this long spans a gap
 constexpr double open_share = 0.3;   // of the area: single views have .38 to .67, closed models and busts up to .18
 constexpr double towards_box = 1000; // weight of facets between the cloud and the box over a ground: none is cut
+/// Share of points in patches that had to be turned above which the cloud is an open sheet that bends back, whatever
+/// its gaps: 0.1 to 0.5 where sheets do.
+constexpr double bent_back = 0.1;
 
 /// The balls of a Delaunay triangulation and their ties.
 struct Balls
@@ -469,6 +473,7 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
         result.normals = turn_by(vote, normals);
     }
     settle_votes(t, points, vote, spacing, threads, result.normals);
+    result.open |= turn_patches(t, points, spacing, ground.has_value(), result.normals, threads) > bent_back;
 
     result.is_closed =
         result.open ? turn_closed_pieces(t, points, spacing, result.normals) : std::vector<char>(points.size(), 0);

@@ -9,6 +9,8 @@
 #include <recon/mismatch.h>
 #include <recon/parallel.h>
 
+#include <Eigen/Geometry>
+
 namespace recon
 {
 namespace
@@ -28,6 +30,21 @@ constexpr double missed_share = 0.01;
 /// Share of points that both must turn differently, or the cells stay as they are: 0.1 to 0.5 where these mix both
 /// sides; below it neither is better for certain.
 constexpr double different_sides = 0.09;
+/// Mean thickness below which the crust of an open cloud is wrapped around the noise of a sheet: 0.27 there, 2 and more
+/// of bodies so coarse that they read as open [spacings].
+constexpr double least_thickness = 0.6;
+
+double measure_mean_thickness(const TriangleMesh& crust)
+{
+    double volume = 0, area = 0;
+    for (const auto& t : crust.triangles)
+    {
+        const Point &a = crust.vertices[t[0]], &b = crust.vertices[t[1]], &c = crust.vertices[t[2]];
+        volume += a.dot(b.cross(c)) / 6;
+        area += (b - a).cross(c - a).norm() / 2;
+    }
+    return area > 0 ? 2 * volume / area : 0;
+}
 
 } // namespace
 
@@ -60,7 +77,8 @@ std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vect
         different += crust.normals[i].dot(cell_normals[std::size_t(cell_of_point[i])]) < 0;
     if (crust.missed > missed_share * count || different <= different_sides * count)
         return {};
-    if (open && measure_bare_area(points, crust.crust, threads) > bare_lid)
+    if (open && (measure_mean_thickness(crust.crust) < least_thickness * labelled.spacing ||
+                 measure_bare_area(points, crust.crust, threads) > bare_lid))
         return {};
     return std::move(crust.normals);
 }
