@@ -1,6 +1,7 @@
 #include "label_points.h"
 
 #include "isolated_points.h"
+#include "open_sheets.h"
 #include "sample_surface.h"
 #include "surface_data.h"
 #include "thin_walls.h"
@@ -34,10 +35,6 @@ constexpr double exact_whiteness = 0.15;
 /// a quadric follows a tenth of the places closely. Coarse models have up to 0.048, with noise of a tenth of the
 /// spacing 0.051 to 0.091.
 constexpr double exact_roughness = 0.05;
-
-/// Noise found below which the surface passes through an exact cloud, so that its normals are those of the points:
-/// domes, saddles and waves have up to .004, a bust whose folds it rounds off .08 [spacings].
-constexpr double resolved = 0.02;
 
 /// The distinct points, in spatial order as indices of the input, but for isolated ones.
 std::vector<int> list_without_isolated(const Points& points, const AmlsSurface::Data& data, int threads)
@@ -74,6 +71,9 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
     LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
     const bool has_ground = is_open && add_ground(found.samples, normals, lost);
+    if (is_open && !has_ground)
+        if (auto sheet = back_open_sheet(found.samples, normals, found.labelled, labelling, times, progress))
+            return take(found, std::move(*sheet));
     const auto back_some = [&]
     {
         const auto list_normals = [&](const Progress&) { return normals; };
@@ -180,17 +180,20 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
                                            times, progress.part(0.1, 1)))
             return scene;
     LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
-    // So open a cloud, as a shallow dome, needs the surface's normals, which are those of the points where it passes
-    // through them.
-    if (labelled.violated_votes > flooded_above && report.noise < resolved * report.spacing)
-        labelled =
-            label_polar_balls(distinct, list_normals({}), labelling, times, progress.part(0.5, 1, "polar balls"));
-    if (labelled.violated_votes > flooded_above)
-        return {};
-    if (std::optional<LabelledBalls> better = label_thin_walls(distinct, cleanness.stacked, list_normals, labelling,
-                                                               labelled, times, progress.part(0.5, 1, "thin walls")))
-        labelled = std::move(*better);
     LabelledSamples found{frame, std::move(distinct), std::move(labelled), isolated, true};
+    if (report.open && may_lack_sheets(found.samples, found.labelled, labelling.threads))
+        if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 1)))
+        {
+            take(found, std::move(*sheet));
+            found.is_settled = true;
+            return found;
+        }
+    if (found.labelled.violated_votes > flooded_above)
+        return {};
+    if (std::optional<LabelledBalls> better =
+            label_thin_walls(found.samples, cleanness.stacked, list_normals, labelling, found.labelled, times,
+                             progress.part(0.5, 1, "thin walls")))
+        found.labelled = std::move(*better);
     found.least_roughness = cleanness.least_roughness;
     const LostSheets lost = find_lost_sheets(found.samples, found.labelled, false, labelling.threads);
     if (lost.largest <= bearable_lost)

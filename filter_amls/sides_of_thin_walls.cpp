@@ -4,12 +4,11 @@
 #include "label_points.h"
 
 #include <recon/cleanness.h>
+#include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/mismatch.h>
 #include <recon/parallel.h>
-
-#include <Eigen/Geometry>
 
 namespace recon
 {
@@ -33,18 +32,6 @@ constexpr double different_sides = 0.09;
 /// Mean thickness below which the crust of an open cloud is wrapped around the noise of a sheet: 0.27 there, 2 and more
 /// of bodies so coarse that they read as open [spacings].
 constexpr double least_thickness = 0.6;
-
-double measure_mean_thickness(const TriangleMesh& crust)
-{
-    double volume = 0, area = 0;
-    for (const auto& t : crust.triangles)
-    {
-        const Point &a = crust.vertices[t[0]], &b = crust.vertices[t[1]], &c = crust.vertices[t[2]];
-        volume += a.dot(b.cross(c)) / 6;
-        area += (b - a).cross(c - a).norm() / 2;
-    }
-    return area > 0 ? 2 * volume / area : 0;
-}
 
 } // namespace
 
@@ -77,7 +64,7 @@ std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vect
         different += crust.normals[i].dot(cell_normals[std::size_t(cell_of_point[i])]) < 0;
     if (crust.missed > missed_share * count || different <= different_sides * count)
         return {};
-    if (open && (measure_mean_thickness(crust.crust) < least_thickness * labelled.spacing ||
+    if (open && (measure_thickness(crust.crust) < least_thickness * labelled.spacing ||
                  measure_bare_area(points, crust.crust, threads) > bare_lid))
         return {};
     return std::move(crust.normals);

@@ -1,5 +1,6 @@
 #include "label_cloud.h"
 
+#include "filter_amls/open_sheets.h"
 #include "filter_amls/sample_surface.h"
 #include "filter_amls/thin_walls.h"
 #include "lids.h"
@@ -20,12 +21,9 @@ namespace recon
 namespace
 {
 
-// Limits of the attempts, in the order in which they are made. Each has a sign that calls for it, and a share of what
-// speaks against the crust so far that it may keep: an attempt that keeps more balls fits any points better.
-
-// A clean cloud: denoised.
-/// Share of points that a right surface may miss, at ears and folds: up to 0.001; 0.007 and more where limbs are lost.
-constexpr double bearable_miss = 0.0015;
+// Limits of the attempts, in the order in which they are made, after that of a clean cloud, see bearable_miss. Each has
+// a sign that calls for it, and a share of what speaks against the crust so far that it may keep: an attempt that keeps
+// more balls fits any points better.
 
 // A denoised cloud: balls by the spacing alone, less noise, then open lids.
 /// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
@@ -105,6 +103,30 @@ public:
         cloud.denoised = cloud.is_noisy = false;
         cloud.outliers = cloud.isolated;
         return label(std::move(cloud), BallLimit::fine, progress);
+    }
+
+    /// A clean cloud that is an open sheet, with a back where it needs one.
+    LabelledCloud back_open_sheet(LabelledCloud found, const Progress& progress)
+    {
+        PreparedSamples& cloud = found.cloud;
+        if (found.completed > 0 || points_.size() > most_points_twice ||
+            !may_lack_sheets(cloud.samples, found.labelled, labelling_.threads))
+            return found;
+        const CleanSurface surface = build_clean_surface(cloud, progress.part(0, 0.4));
+        if (!surface.amls.report().open)
+            return found;
+        const Vectors normals = surface.list_normals(options_.threads, progress.part(0.4, 0.5));
+        if (LostSheets none; recon::add_ground(cloud.samples, normals, none))
+            return found;
+        BallLabellingOptions labelling = options_for(cloud);
+        labelling.limit = limit_for(cloud);
+        if (std::optional<BackedSheets> sheet =
+                label_open_sheet(cloud.samples, normals, labelling, times_, progress.part(0.5, 1)))
+        {
+            take(found, std::move(*sheet));
+            found.is_settled = true;
+        }
+        return found;
     }
 
     /// A clean cloud of thin walls, whose votes do not agree, with the normals of its AMLS surface.
@@ -188,6 +210,17 @@ public:
         LostSheets lost =
             find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
         const bool has_ground = add_ground(found.cloud, lost);
+        if (is_open(found.cloud) && !has_ground && !found.opened && points_.size() <= most_points_twice)
+        {
+            BallLabellingOptions labelling = options_for(found.cloud);
+            labelling.limit = limit_for(found.cloud);
+            if (std::optional<BackedSheets> sheet = recon::back_open_sheet(found.cloud.samples, found.cloud.normals,
+                                                                           found.labelled, labelling, times_, progress))
+            {
+                take(found, std::move(*sheet));
+                return found;
+            }
+        }
         if (lost.share <= bearable_lost)
             return back_some_sheets(std::move(found), lost, progress);
         const double handles = measure_closed_topology(extract(found)).genus(),
@@ -240,25 +273,44 @@ private:
         { return cloud.denoised ? cloud.normals : list_clean_normals(cloud, part); };
         if (std::optional<BackedSheets> backed = label_with_backs(lost, cloud.samples, cloud.denoised, list_normals,
                                                                   found.labelled, labelling, times_, progress))
-        {
-            cloud.samples = std::move(backed->samples);
-            cloud.normals = std::move(backed->normals);
-            found.labelled = std::move(backed->labelled);
-            found.polygons.reset();
-            found.backs = backed->backs;
-            found.lost_sheets = backed->share;
-        }
+            take(found, std::move(*backed));
         return found;
     }
 
-    /// Of a clean cloud's points, in its order, from its AMLS surface.
-    Vectors list_clean_normals(const PreparedSamples& cloud, const Progress& progress)
+    static void take(LabelledCloud& found, BackedSheets backed)
+    {
+        found.cloud.samples = std::move(backed.samples);
+        found.cloud.normals = std::move(backed.normals);
+        found.labelled = std::move(backed.labelled);
+        found.polygons.reset();
+        found.backs = backed.backs;
+        found.lost_sheets = backed.share;
+    }
+
+    /// The AMLS surface of a clean cloud's points, in its order.
+    struct CleanSurface
+    {
+        Points sorted;
+        AmlsSurface amls;
+
+        Vectors list_normals(int threads, const Progress& progress) const
+        {
+            return list_surface_normals(sorted, amls, threads, progress);
+        }
+    };
+
+    CleanSurface build_clean_surface(const PreparedSamples& cloud, const Progress& progress)
     {
         times_.begin("AMLS");
-        const Points sorted = points_at(cloud.order, points_);
-        const AmlsSurface surface =
-            build_amls_surface(sorted, surface_options_for(options_), progress.part(0, 0.6, "AMLS surface"));
-        return list_surface_normals(sorted, surface, options_.threads, progress.part(0.6, 1, "normals"));
+        Points sorted = points_at(cloud.order, points_);
+        AmlsSurface amls = build_amls_surface(sorted, surface_options_for(options_), progress);
+        return {std::move(sorted), std::move(amls)};
+    }
+
+    Vectors list_clean_normals(const PreparedSamples& cloud, const Progress& progress)
+    {
+        return build_clean_surface(cloud, progress.part(0, 0.6, "AMLS surface"))
+            .list_normals(options_.threads, progress.part(0.6, 1, "normals"));
     }
 
     /// The ground of a scene is such a sheet, whatever the balls between its samples are called.
@@ -454,7 +506,10 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     const bool has_bare_flats = first.cloud.denoised && first.completed > 0;
     if (!first.cloud.denoised && options.denoise == Denoise::automatic)
     {
-        first = attempts.doubt_cleanness(std::move(first), progress.part(0.7, 0.8, "other attempts"));
+        first = attempts.back_open_sheet(std::move(first), progress.part(0.7, 0.75, "open sheet"));
+        if (first.is_settled)
+            return first;
+        first = attempts.doubt_cleanness(std::move(first), progress.part(0.75, 0.8, "other attempts"));
         first = attempts.orient_walls(std::move(first), progress.part(0.8, 0.9, "thin walls"));
     }
     else if (first.cloud.denoised && options.noise == 0)

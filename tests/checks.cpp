@@ -185,4 +185,12 @@ double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples
     return double(faced) / double(samples.points.size());
 }
 
+double share_faced_one_way(const recon::TriangleMesh& mesh, recon::OrientedSamples samples, double reach)
+{
+    const double faced = share_faced(mesh, samples, reach);
+    for (recon::Vector& normal : samples.normals)
+        normal = -normal;
+    return std::max(faced, share_faced(mesh, samples, reach));
+}
+
 } // namespace checks

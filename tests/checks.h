@@ -46,5 +46,7 @@ double share_facing(const recon::Vectors& normals, const recon::Vectors& truth);
 
 /// Share of samples that have a vertex of the mesh within `reach` and face as the mesh does at the nearest one.
 double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples& samples, double reach);
+/// The same of an open sheet, which may face either way as a whole.
+double share_faced_one_way(const recon::TriangleMesh& mesh, recon::OrientedSamples samples, double reach);
 
 } // namespace checks

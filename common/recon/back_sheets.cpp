@@ -23,9 +23,8 @@ constexpr int around = 31, touching = 9;
 constexpr int least_sheet = 20;
 /// Share of samples without an inside around one that makes it part of a lost sheet, and that has its back put up too.
 constexpr double lost_above = 0.5, backed_above = 0.1;
-/// Distance from a sheet to its back, and least distance of the back from all samples [spacings]. Slabs of two spacings
-/// and more come out whole.
-constexpr double thickness = 3, room = 1;
+/// Least distance of a back from all samples [spacings].
+constexpr double room = 1;
 /// Share of its samples that the crust misses where a lost sheet is gone or lace: .13 on the dragon's jaw, .67 to 1 of
 /// fins; 0 to .011 where thin parts have a face without samples, which the crust closes in its place.
 constexpr double gone_above = 0.05;
@@ -128,7 +127,7 @@ std::string describe_lost(double share)
 
 std::string describe_backs(double share)
 {
-    return describe_lost(share) + "They were given a back, three spacings behind the points.";
+    return describe_lost(share) + "They were given a back, some three spacings behind the points.";
 }
 
 LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads)
@@ -189,7 +188,7 @@ bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost)
     return true;
 }
 
-int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads)
+int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads, double thickness)
 {
     std::vector<int> backed;
     for (int i = 0; i < int(lost.around.size()); ++i)

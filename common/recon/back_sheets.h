@@ -44,9 +44,13 @@ bool may_be_a_sheet(const LostSheets& lost, bool is_open, double violated);
 /// faces what stands on it.
 bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost);
 
+/// Distance from a sheet to its back [spacings]. Slabs of two spacings and more come out whole.
+inline constexpr double usual_thickness = 3;
+
 /// Puts samples some spacings behind lost sheets and what borders on them, so that there is a slab to be inside, but
-/// none where another sheet is near. \returns how many; they come last.
-int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads);
+/// none where another sheet is near. \param thickness of the slab [spacings], > 0. \returns how many; they come last.
+int back_sheets(const LostSheets& lost, Points& samples, Vectors& normals, int threads,
+                double thickness = usual_thickness);
 
 /// Samples with backs behind some sheets, the last of them, and their labels.
 struct BackedSheets

@@ -300,7 +300,7 @@ DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double sp
     return dropped;
 }
 
-Topology measure_topology(const TriangleMesh& mesh)
+std::vector<std::vector<int>> list_rims(const TriangleMesh& mesh)
 {
     std::vector<std::pair<int, int>> edges; // directed
     edges.reserve(3 * mesh.triangles.size());
@@ -310,27 +310,35 @@ Topology measure_topology(const TriangleMesh& mesh)
     std::sort(edges.begin(), edges.end());
     // At a manifold's boundary each vertex has one edge in and one out.
     std::vector<int> next(mesh.vertices.size(), -1);
-    int boundary = 0;
     for (const auto& [from, to] : edges)
         if (!std::binary_search(edges.begin(), edges.end(), std::make_pair(to, from)))
-        {
             next[from] = to;
-            ++boundary;
-        }
-    Topology result;
+    std::vector<std::vector<int>> rims;
     for (int v = 0; v < int(next.size()); ++v)
-        if (next[v] >= 0)
+    {
+        if (next[v] < 0)
+            continue;
+        std::vector<int> rim;
+        for (int w = v; w >= 0 && next[w] >= 0;)
         {
-            ++result.boundary_loops;
-            for (int w = v; w >= 0 && next[w] >= 0;)
-            {
-                const int following = next[w];
-                next[w] = -1;
-                w = following;
-            }
+            rim.push_back(w);
+            w = std::exchange(next[w], -1);
         }
+        rims.push_back(std::move(rim));
+    }
+    return rims;
+}
+
+Topology measure_topology(const TriangleMesh& mesh)
+{
+    const std::vector<std::vector<int>> rims = list_rims(mesh);
+    std::size_t boundary = 0;
+    for (const std::vector<int>& rim : rims)
+        boundary += rim.size();
+    Topology result;
+    result.boundary_loops = int(rims.size());
     result.components = find_components(mesh).count;
-    const int edge_count = (int(edges.size()) + boundary) / 2;
+    const int edge_count = int((3 * mesh.triangles.size() + boundary) / 2);
     result.euler_characteristic = int(mesh.vertices.size()) - edge_count + int(mesh.triangles.size());
     return result;
 }
@@ -342,6 +350,18 @@ Topology measure_closed_topology(const TriangleMesh& mesh)
     // Three edges for two triangles.
     result.euler_characteristic = int(mesh.vertices.size()) - int(mesh.triangles.size()) / 2;
     return result;
+}
+
+double measure_thickness(const TriangleMesh& mesh)
+{
+    double volume = 0, area = 0;
+    for (const auto& t : mesh.triangles)
+    {
+        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+        volume += a.dot(b.cross(c)) / 6;
+        area += (b - a).cross(c - a).norm() / 2;
+    }
+    return area > 0 ? 2 * volume / area : 0;
 }
 
 } // namespace recon

@@ -64,6 +64,9 @@ struct DroppedBodies
 /// least; that of a sparser component is told from its triangles.
 DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double spacing);
 
+/// The boundary loops of a manifold mesh: vertices in the direction in which triangles run along them, by their lowest.
+std::vector<std::vector<int>> list_rims(const TriangleMesh& mesh);
+
 /// What a manifold mesh without unused vertices is, topologically.
 struct Topology
 {
@@ -77,5 +80,9 @@ Topology measure_topology(const TriangleMesh& mesh);
 
 /// The same of a mesh known to be closed, as a crust is: no edges need to be matched.
 Topology measure_closed_topology(const TriangleMesh& mesh);
+
+/// Volume over half the area of a closed mesh that faces outward: the mean thickness of what is thin [length]; 0 of an
+/// empty one.
+double measure_thickness(const TriangleMesh& mesh);
 
 } // namespace recon

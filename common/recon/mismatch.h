@@ -24,6 +24,9 @@ struct Mismatch
 /// Below this share of violated votes crusts of clean clouds missed next to no points; the question would take a tenth
 /// of the time.
 inline constexpr double suspicious_votes = 0.004;
+/// Share of points that a right surface of a clean cloud may miss, at ears and folds: up to 0.001; 0.007 and more where
+/// limbs are lost.
+inline constexpr double bearable_miss = 0.0015;
 /// Mismatch above which a hollow may have been closed over, of the points and the crust of a clean cloud.
 inline constexpr double bearable_mismatch = 0.05;
 

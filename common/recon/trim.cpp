@@ -169,6 +169,48 @@ std::vector<int> drop(TriangleMesh& mesh, std::vector<char> keep)
     return result;
 }
 
+/// Closes rims of few sides, but the longest of each part, by fans from one of their vertices: the front of a slab can
+/// dip to its back, or through it, in a gap between samples.
+void close_short_rims(TriangleMesh& mesh)
+{
+    constexpr std::size_t most_sides = 6;
+    std::vector<std::vector<int>> rims = list_rims(mesh);
+    const MeshComponents components = find_components(mesh);
+    std::vector<int> part(mesh.vertices.size(), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (const int v : mesh.triangles[i])
+            part[v] = components.of_triangle[i];
+    std::vector<std::size_t> longest(std::size_t(components.count), 0);
+    for (const std::vector<int>& rim : rims)
+        longest[part[rim[0]]] = std::max(longest[part[rim[0]]], rim.size());
+    const auto is_long = [&](const std::vector<int>& rim)
+    { return rim.size() < 3 || rim.size() > most_sides || rim.size() == longest[part[rim[0]]]; };
+    rims.erase(std::remove_if(rims.begin(), rims.end(), is_long), rims.end());
+    std::vector<std::pair<int, int>> diagonals, taken;
+    for (const std::vector<int>& rim : rims)
+        for (std::size_t i = 2; i + 1 < rim.size(); ++i)
+            diagonals.push_back(std::minmax(rim[0], rim[i]));
+    std::sort(diagonals.begin(), diagonals.end());
+    for (const Corners& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+            if (const std::pair<int, int> side = std::minmax(t[k], t[(k + 1) % 3]);
+                std::binary_search(diagonals.begin(), diagonals.end(), side))
+                taken.push_back(side);
+    for (const std::vector<int>& rim : rims)
+    {
+        bool is_free = true;
+        for (std::size_t i = 2; i + 1 < rim.size(); ++i)
+            is_free = is_free && std::find(taken.begin(), taken.end(),
+                                           std::pair<int, int>(std::minmax(rim[0], rim[i]))) == taken.end();
+        for (std::size_t i = 1; is_free && i + 1 < rim.size(); ++i)
+        {
+            mesh.triangles.push_back({rim[0], rim[i + 1], rim[i]});
+            if (!mesh.faux_edges.empty())
+                mesh.faux_edges.push_back(0);
+        }
+    }
+}
+
 /// Distances from the samples, in spacings.
 class Depths
 {
@@ -279,7 +321,10 @@ std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs
         keep[i] = deepest[i] <= bare_beyond || !is_hole[parts.find(mesh.triangles[i][0])];
     if (std::count(keep.begin(), keep.end(), 1) == 0)
         keep.assign(keep.size(), 1);
-    return drop(mesh, std::move(keep));
+    std::vector<int> former = drop(mesh, std::move(keep));
+    if (backs > 0)
+        close_short_rims(mesh);
+    return former;
 }
 
 } // namespace recon

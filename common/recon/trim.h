@@ -19,7 +19,8 @@ std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double
 /// spacings from every sample; bare parts that reach three spacings are dropped, lesser gaps stay closed. Spacing of a
 /// place: that of all but the sparsest tenth of the samples around it, so that a hole is one beside dense samples only.
 /// \param mesh closed. \param samples in its units. \param backs the last samples, which nobody scanned [count]; what
-/// they carry is bare. If all is bare nothing is dropped. \returns as above.
+/// they carry is bare, but rims of a few sides that it leaves within a sheet are closed. If all is bare nothing is
+/// dropped. \returns as above.
 std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads = 1,
                             const Progress& progress = {});
 
