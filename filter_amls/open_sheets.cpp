@@ -20,8 +20,10 @@ constexpr double thinnest_lidded = 7;
 /// 0.005 of a scanned statue, whose back would take as long as all else.
 constexpr double much_missed = 0.02;
 
-/// Of a slab's other attempts [spacings].
-constexpr double other_thicknesses[] = {4};
+/// Of a slab's second attempt [spacings].
+constexpr double other_thickness = 4;
+/// Above this a slab, which has twice as many and shares no balls, takes too much memory [samples].
+constexpr std::size_t most_backed = 1'000'000;
 
 /// A crust, and what it lacks of an open sheet.
 struct Found
@@ -91,16 +93,14 @@ Slab make_slab(const Points& samples, const Vectors& normals, double thickness, 
 std::optional<BackedSheets> back_all(const Points& samples, const Vectors& normals, const Found& lidded,
                                      const BallLabellingOptions& options, PhaseTimes& times, const Progress& progress)
 {
+    if (samples.size() > most_backed)
+        return {};
     Slab best = make_slab(samples, normals, usual_thickness, options, times, progress.part(0, 0.6));
-    // Gaps between random samples can be tunnels through a slab, but hardly through each.
-    for (const double thickness : other_thicknesses)
-    {
-        if (best.found.handles == 0)
-            break;
-        Slab other = make_slab(samples, normals, thickness, options, times, progress.part(0.6, 1));
-        if (other.found.handles < best.found.handles)
+    // Gaps between random samples can be tunnels through it, but hardly through both.
+    if (best.found.handles > 0)
+        if (Slab other = make_slab(samples, normals, other_thickness, options, times, progress.part(0.6, 1));
+            other.found.handles < best.found.handles)
             best = std::move(other);
-    }
     const Found& backed = best.found;
     const bool has_fewer_handles =
         backed.handles < lidded.handles || (lidded.is_flat() && backed.handles == lidded.handles);

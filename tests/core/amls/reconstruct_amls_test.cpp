@@ -168,7 +168,7 @@ TEST(ReconstructAmls, OpenSheetsOfExactPointsKeepThem)
         const auto found = reconstruct_amls(points, options);
         EXPECT_EQ(found.components, 1) << one.name;
         EXPECT_EQ(found.genus, 0) << one.name;
-        EXPECT_LE(found.boundary_loops, 2) << one.name; // a gap of random samples may pass for a hole
+        EXPECT_EQ(found.boundary_loops, 1) << one.name;
         EXPECT_NEAR(double(found.mesh.vertices.size()), double(points.size()), 8) << one.name;
         EXPECT_LT(measure_missed_points(points, found.mesh), 1e-3) << one.name;
         EXPECT_GT(checks::share_faced_one_way(found.mesh, one.samples, 1e-9), 0.998) << one.name;
