@@ -6,6 +6,8 @@
 #include <recon/mismatch.h>
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,8 @@ constexpr double much_missed = 0.02;
 
 /// Of a slab's second attempt [spacings].
 constexpr double other_thickness = 4;
+/// Fewer triangles are no body [count].
+constexpr std::size_t least_body = 100;
 /// Above this a slab, which has twice as many and shares no balls, takes too much memory [samples].
 constexpr std::size_t most_backed = 1'000'000;
 
@@ -67,6 +71,36 @@ bool is_all_seen(const TriangleMesh& mesh, const Points& samples)
                        [&](const auto& t) { return is_seen[std::size_t(parts.find(t[0]))]; });
 }
 
+/// Per sample: 1 if it is of no body that the crust closes without a lid, as a ball over a terrain, which needs no
+/// back.
+std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, int threads)
+{
+    std::vector<double> is_open(samples.size(), 1);
+    const MeshComponents components = find_components(crust);
+    if (components.count < 2)
+        return is_open;
+    std::vector<std::vector<std::array<int, 3>>> bodies(std::size_t(components.count));
+    for (std::size_t i = 0; i < crust.triangles.size(); ++i)
+        bodies[std::size_t(components.of_triangle[i])].push_back(crust.triangles[i]);
+    std::vector<char> is_closed;
+    TriangleMesh body;
+    body.vertices = crust.vertices;
+    for (std::vector<std::array<int, 3>>& triangles : bodies)
+    {
+        body.triangles = std::move(triangles);
+        is_closed.push_back(body.triangles.size() >= least_body &&
+                            measure_bare_area(samples, body, threads) <= bare_lid);
+    }
+    std::vector<int> of_vertex(crust.vertices.size(), 0);
+    for (std::size_t i = 0; i < crust.triangles.size(); ++i)
+        for (const int v : crust.triangles[i])
+            of_vertex[std::size_t(v)] = components.of_triangle[i];
+    const BlockSearch search(crust.vertices);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        is_open[i] = !is_closed[std::size_t(of_vertex[std::size_t(search.nearest(samples[i]))])];
+    return is_open;
+}
+
 /// A sheet with a back behind all of it.
 struct Slab
 {
@@ -74,19 +108,18 @@ struct Slab
     Found found;
 };
 
-Slab make_slab(const Points& samples, const Vectors& normals, double thickness, const BallLabellingOptions& options,
-               PhaseTimes& times, const Progress& progress)
+Slab make_slab(const Points& samples, const Vectors& normals, const LostSheets& open, double thickness,
+               const BallLabellingOptions& options, PhaseTimes& times, const Progress& progress)
 {
     BallLabellingOptions unshared = options;
     unshared.share_balls = false; // at its rim a slab violates more votes than shared balls may
-    const LostSheets all{std::vector<double>(samples.size(), 1), 1, 1};
     Points both = samples;
     Vectors both_normals = normals;
-    const int backs = back_sheets(all, both, both_normals, options.threads, thickness);
+    const int backs = back_sheets(open, both, both_normals, options.threads, thickness);
     LabelledBalls labelled = label_polar_balls(both, both_normals, unshared, times, progress);
     times.begin("backs of sheets");
     Found found = look_at(samples, labelled, options.threads);
-    return {{std::move(both), std::move(both_normals), std::move(labelled), backs, 1}, std::move(found)};
+    return {{std::move(both), std::move(both_normals), std::move(labelled), backs, open.share}, std::move(found)};
 }
 
 /// None if it is no better than what was closed by a lid.
@@ -95,10 +128,12 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
 {
     if (samples.size() > most_backed)
         return {};
-    Slab best = make_slab(samples, normals, usual_thickness, options, times, progress.part(0, 0.6));
+    LostSheets open{mark_open(lidded.crust, samples, options.threads)};
+    open.share = std::accumulate(open.around.begin(), open.around.end(), 0.0) / double(samples.size());
+    Slab best = make_slab(samples, normals, open, usual_thickness, options, times, progress.part(0, 0.6));
     // Gaps between random samples can be tunnels through it, but hardly through both.
     if (best.found.handles > 0)
-        if (Slab other = make_slab(samples, normals, other_thickness, options, times, progress.part(0.6, 1));
+        if (Slab other = make_slab(samples, normals, open, other_thickness, options, times, progress.part(0.6, 1));
             other.found.handles < best.found.handles)
             best = std::move(other);
     const Found& backed = best.found;

@@ -15,10 +15,11 @@ namespace recon
 bool may_lack_sheets(const Points& samples, const LabelledBalls& labelled, int threads);
 
 /// Labels of an open sheet with a back behind all of it, so that it becomes a slab; backs behind parts alone leave
-/// flaps where slab and lid meet. \param closed labels with normals, by a lid: votes must object to them, and the lid
-/// lie near to most of the sheet, or much of it be missed. None else, and if the slab lacks parts, too, or has parts
-/// without a sample in front, as where a body among the sheets became a hollow, or more handles, nor of more than a
-/// million samples. \param normals one per sample, of one side. \throws Cancelled.
+/// flaps where slab and lid meet. Bodies beside it that are closed by themselves get none. \param closed labels with
+/// normals, by a lid: votes must object to them, and the lid lie near to most of the sheet, or much of it be missed.
+/// None else, and if the slab lacks parts, too, or has parts without a sample in front, as where a body became a
+/// hollow, or more handles, nor of more than a million samples. \param normals one per sample, of one side. \throws
+/// Cancelled.
 std::optional<BackedSheets> back_open_sheet(const Points& samples, const Vectors& normals, const LabelledBalls& closed,
                                             const BallLabellingOptions& options, PhaseTimes& times,
                                             const Progress& progress = {});

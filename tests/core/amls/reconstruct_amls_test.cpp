@@ -199,6 +199,30 @@ TEST(ReconstructAmls, NoisyOpenSheetsComeOutWhole)
     }
 }
 
+// Backs within the ball would make it hollow.
+TEST(ReconstructAmls, ABallOverATerrainNeedsNoBack)
+{
+    for (const double radius : {0.3, 0.6})
+        for (const double noise : {0.0, 0.01})
+        {
+            Points points = shapes::wavy_terrain(3000, 0.2, 3, 4, 3).points;
+            for (const Point& p : shapes::sphere(int(8000 * radius * radius), radius, 5).points)
+                points.push_back(p + Point(0.2, 0.1, 0.4 + radius));
+            points = shapes::with_noise(points, noise, 3);
+            EXPECT_EQ(reconstruct_amls(points).components, 2);
+            AmlsReconstructionOptions options;
+            options.open_holes = true;
+            const AmlsReconstruction open = reconstruct_amls(points, options);
+            EXPECT_EQ(open.components, 2);
+            EXPECT_EQ(open.genus, 0);
+            EXPECT_EQ(open.boundary_loops, 1);
+            if (noise == 0)
+            {
+                EXPECT_NEAR(double(open.mesh.vertices.size()), double(points.size()), 8);
+            }
+        }
+}
+
 TEST(ReconstructAmls, AFinOfWhichOneSideWasSeenIsKept)
 {
     for (const double noise : {0.0, 0.2})
