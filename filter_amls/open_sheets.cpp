@@ -24,8 +24,10 @@ constexpr double much_missed = 0.02;
 
 /// Of a slab's second attempt [spacings].
 constexpr double other_thickness = 4;
-/// Fewer triangles are no body [count].
+/// Of a body closed by itself: least triangles [count], and mean thickness, below which it may be a shred between sheet
+/// and lid, and backs would have no room [spacings].
 constexpr std::size_t least_body = 100;
+constexpr double thinnest_body = 3;
 /// Above this a slab, which has twice as many and shares no balls, takes too much memory [samples].
 constexpr std::size_t most_backed = 1'000'000;
 
@@ -36,6 +38,7 @@ struct Found
     LostSheets lost;
     double missed = 0; ///< Share of the samples [0..1].
     int handles = 0;
+    double spacing = 0;   ///< Of the samples [length].
     double thickness = 0; ///< [spacings]
 
     bool is_whole() const { return lost.around.empty() && missed <= bearable_miss; }
@@ -50,7 +53,8 @@ Found look_at(const Points& samples, const LabelledBalls& labelled, int threads)
     found.lost = find_lost_sheets(samples, labelled, true, threads);
     found.missed = measure_missed_points(samples, found.crust, threads);
     found.handles = measure_closed_topology(found.crust).genus();
-    found.thickness = measure_thickness(found.crust) / labelled.spacing;
+    found.spacing = labelled.spacing;
+    found.thickness = measure_thickness(found.crust) / found.spacing;
     return found;
 }
 
@@ -73,7 +77,7 @@ bool is_all_seen(const TriangleMesh& mesh, const Points& samples)
 
 /// Per sample: 1 if it is of no body that the crust closes without a lid, as a ball over a terrain, which needs no
 /// back.
-std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, int threads)
+std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, double spacing, int threads)
 {
     std::vector<double> is_open(samples.size(), 1);
     const MeshComponents components = find_components(crust);
@@ -88,7 +92,7 @@ std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, 
     for (std::vector<std::array<int, 3>>& triangles : bodies)
     {
         body.triangles = std::move(triangles);
-        is_closed.push_back(body.triangles.size() >= least_body &&
+        is_closed.push_back(body.triangles.size() >= least_body && measure_thickness(body) >= thinnest_body * spacing &&
                             measure_bare_area(samples, body, threads) <= bare_lid);
     }
     std::vector<int> of_vertex(crust.vertices.size(), 0);
@@ -128,7 +132,7 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
 {
     if (samples.size() > most_backed)
         return {};
-    LostSheets open{mark_open(lidded.crust, samples, options.threads)};
+    LostSheets open{mark_open(lidded.crust, samples, lidded.spacing, options.threads)};
     open.share = std::accumulate(open.around.begin(), open.around.end(), 0.0) / double(samples.size());
     Slab best = make_slab(samples, normals, open, usual_thickness, options, times, progress.part(0, 0.6));
     // Gaps between random samples can be tunnels through it, but hardly through both.
