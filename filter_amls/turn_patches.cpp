@@ -37,10 +37,11 @@ void sort_out_twins(std::vector<Edge>& edges)
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
-/// Edges between points that are near each other, each once.
-std::vector<Edge> list_near_edges(const Triangulation& t, const Points& points, const std::vector<double>& spacing)
+/// Edges between points that are near each other, each as often as it has tetrahedra.
+template <class Visit>
+void visit_near_edges(const Triangulation& t, const Points& points, const std::vector<double>& spacing,
+                      const Visit& visit)
 {
-    std::vector<Edge> edges;
     for (int c = 0; c < t.finite_cells; ++c)
     {
         const auto& v = t.cells[c].vertices;
@@ -48,12 +49,11 @@ std::vector<Edge> list_near_edges(const Triangulation& t, const Points& points, 
             for (int j = i + 1; j < 4; ++j)
             {
                 const int a = std::min(v[i], v[j]), b = std::max(v[i], v[j]);
-                if (b < int(points.size()) && (points[b] - points[a]).norm() < near_by / 2 * (spacing[a] + spacing[b]))
-                    edges.push_back({a, b});
+                const double reach = near_by / 2;
+                if (b < int(points.size()) && (points[b] - points[a]).norm() < reach * (spacing[a] + spacing[b]))
+                    visit(Edge{a, b});
             }
     }
-    sort_out_twins(edges);
-    return edges;
 }
 
 bool lie_in_one_plane(const Edge& edge, const Points& points, const Vectors& normals)
@@ -70,21 +70,21 @@ struct Patches
     std::vector<int> of_point; ///< -1 where a patch is too small.
     std::vector<int> size;     ///< Per patch [count].
     std::vector<int> leaving;  ///< Per patch: edges to points that are not of it [count].
+    std::vector<Edge> across;  ///< Between points that lie in one plane and disagree.
 };
 
-/// \param across becomes the edges between points that lie in one plane and disagree.
-Patches find_patches(const std::vector<Edge>& edges, const Points& points, const Vectors& normals,
-                     std::vector<Edge>& across)
+/// Bounds are looked at only if there are two patches or more.
+Patches find_patches(const Triangulation& t, const Points& points, const std::vector<double>& spacing,
+                     const Vectors& normals)
 {
     DisjointSets sets(points.size());
-    for (const Edge& edge : edges)
-        if (lie_in_one_plane(edge, points, normals))
-        {
-            if (normals[edge[0]].dot(normals[edge[1]]) > 0)
-                sets.join(edge[0], edge[1]);
-            else
-                across.push_back(edge);
-        }
+    const auto agree = [&](const Edge& edge) { return normals[edge[0]].dot(normals[edge[1]]) > 0; };
+    visit_near_edges(t, points, spacing,
+                     [&](const Edge& edge)
+                     {
+                         if (agree(edge) && lie_in_one_plane(edge, points, normals))
+                             sets.join(edge[0], edge[1]);
+                     });
     std::vector<int> size(points.size(), 0), number(points.size(), -1);
     for (int v = 0; v < int(points.size()); ++v)
         ++size[sets.find(v)];
@@ -100,17 +100,30 @@ Patches find_patches(const std::vector<Edge>& edges, const Points& points, const
         }
         patches.of_point[v] = number[set];
     }
+    if (patches.size.size() < 2)
+        return patches;
+    std::vector<Edge> bounds;
+    visit_near_edges(t, points, spacing,
+                     [&](const Edge& edge)
+                     {
+                         if (sets.find(edge[0]) != sets.find(edge[1]))
+                             bounds.push_back(edge);
+                     });
+    sort_out_twins(bounds);
     patches.leaving.assign(patches.size.size(), 0);
-    for (const auto& [a, b] : edges)
-        if (sets.find(a) != sets.find(b))
-            for (const int v : {a, b})
-                if (patches.of_point[v] >= 0)
-                    ++patches.leaving[patches.of_point[v]];
+    for (const Edge& edge : bounds)
+    {
+        for (const int v : edge)
+            if (patches.of_point[v] >= 0)
+                ++patches.leaving[patches.of_point[v]];
+        if (!agree(edge) && lie_in_one_plane(edge, points, normals))
+            patches.across.push_back(edge);
+    }
     return patches;
 }
 
 /// Between patches that a seam joins, as heavy as it is long.
-std::vector<Tie> list_seams(const Patches& patches, const std::vector<Edge>& across, double least_share)
+std::vector<Tie> list_seams(const Patches& patches, double least_share)
 {
     struct Crossing
     {
@@ -119,7 +132,7 @@ std::vector<Tie> list_seams(const Patches& patches, const std::vector<Edge>& acr
     };
     std::vector<Crossing> crossings;
     std::vector<int> across_seams(patches.size.size(), 0);
-    for (const auto& [a, b] : across)
+    for (const auto& [a, b] : patches.across)
     {
         const int p = patches.of_point[a], q = patches.of_point[b];
         if (p < 0 || q < 0 || p == q)
@@ -168,14 +181,13 @@ std::vector<int> choose_fixed(const Patches& patches, const std::vector<Tie>& se
 double turn_patches(const Triangulation& delaunay, const Points& points, const std::vector<double>& spacing,
                     bool has_ground, Vectors& normals, int threads)
 {
-    std::vector<Edge> across;
-    const Patches patches = find_patches(list_near_edges(delaunay, points, spacing), points, normals, across);
-    std::vector<Tie> ties = list_seams(patches, across, has_ground ? seam_share_on_ground : seam_share);
+    const Patches patches = find_patches(delaunay, points, spacing, normals);
+    std::vector<Tie> ties = list_seams(patches, has_ground ? seam_share_on_ground : seam_share);
     if (ties.empty())
         return 0;
     const int outside = int(patches.size.size());
     for (const int p : choose_fixed(patches, ties))
-        ties.push_back({p, outside, float(across.size()), false});
+        ties.push_back({p, outside, float(patches.across.size()), false});
     const BallLabels labels = label_balls(outside, ties, threads);
     int turned = 0;
     for (std::size_t v = 0; v < points.size(); ++v)
