@@ -2,7 +2,6 @@
 
 #include <recon/block_search.h>
 #include <recon/crust_mesh.h>
-#include <recon/disjoint_sets.h>
 #include <recon/mismatch.h>
 
 #include <algorithm>
@@ -58,21 +57,15 @@ Found look_at(const Points& samples, const LabelledBalls& labelled, int threads)
     return found;
 }
 
-/// Whether each connected part of a mesh is the nearest one of some sample.
+/// Whether each component of a mesh is the nearest one of some sample.
 bool is_all_seen(const TriangleMesh& mesh, const Points& samples)
 {
-    DisjointSets parts(mesh.vertices.size());
-    for (const auto& t : mesh.triangles)
-    {
-        parts.join(t[0], t[1]);
-        parts.join(t[0], t[2]);
-    }
+    const MeshComponents components = find_components(mesh);
     const BlockSearch search(mesh.vertices);
-    std::vector<char> is_seen(mesh.vertices.size(), 0);
+    std::vector<char> is_seen(std::size_t(components.count), 0);
     for (const Point& sample : samples)
-        is_seen[std::size_t(parts.find(search.nearest(sample)))] = 1;
-    return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
-                       [&](const auto& t) { return is_seen[std::size_t(parts.find(t[0]))]; });
+        is_seen[std::size_t(components.of_vertex[std::size_t(search.nearest(sample))])] = 1;
+    return std::count(is_seen.begin(), is_seen.end(), 0) == 0;
 }
 
 /// Per sample: 1 if it is of no body that the crust closes without a lid, as a ball over a terrain, which needs no
@@ -95,13 +88,9 @@ std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, 
         is_closed.push_back(body.triangles.size() >= least_body && measure_thickness(body) >= thinnest_body * spacing &&
                             measure_bare_area(samples, body, threads) <= bare_lid);
     }
-    std::vector<int> of_vertex(crust.vertices.size(), 0);
-    for (std::size_t i = 0; i < crust.triangles.size(); ++i)
-        for (const int v : crust.triangles[i])
-            of_vertex[std::size_t(v)] = components.of_triangle[i];
     const BlockSearch search(crust.vertices);
     for (std::size_t i = 0; i < samples.size(); ++i)
-        is_open[i] = !is_closed[std::size_t(of_vertex[std::size_t(search.nearest(samples[i]))])];
+        is_open[i] = !is_closed[std::size_t(components.of_vertex[std::size_t(search.nearest(samples[i]))])];
     return is_open;
 }
 

@@ -105,30 +105,6 @@ public:
         return label(std::move(cloud), BallLimit::fine, progress);
     }
 
-    /// A clean cloud that is an open sheet, with a back where it needs one.
-    LabelledCloud back_open_sheet(LabelledCloud found, const Progress& progress)
-    {
-        PreparedSamples& cloud = found.cloud;
-        if (found.completed > 0 || points_.size() > most_points_twice ||
-            !may_lack_sheets(cloud.samples, found.labelled, labelling_.threads))
-            return found;
-        const CleanSurface surface = build_clean_surface(cloud, progress.part(0, 0.4));
-        if (!surface.amls.report().open)
-            return found;
-        const Vectors normals = surface.list_normals(options_.threads, progress.part(0.4, 0.5));
-        if (LostSheets none; recon::add_ground(cloud.samples, normals, none))
-            return found;
-        BallLabellingOptions labelling = options_for(cloud);
-        labelling.limit = limit_for(cloud);
-        if (std::optional<BackedSheets> sheet =
-                label_open_sheet(cloud.samples, normals, labelling, times_, progress.part(0.5, 1)))
-        {
-            take(found, std::move(*sheet));
-            found.is_settled = true;
-        }
-        return found;
-    }
-
     /// A clean cloud of thin walls, whose votes do not agree, with the normals of its AMLS surface.
     LabelledCloud orient_walls(LabelledCloud found, const Progress& progress)
     {
@@ -173,7 +149,7 @@ public:
         return std::move(best.attempt);
     }
 
-    /// A clean cloud whose crust misses points, denoised.
+    /// A clean cloud whose crust misses points: as an open sheet, or denoised.
     LabelledCloud doubt_cleanness(LabelledCloud found, const Progress& progress)
     {
         const double violated = found.labelled.violated_votes;
@@ -182,6 +158,10 @@ public:
         std::optional<Judged> best = judge(std::move(found));
         const bool is_flooded = violated > flooded_above;
         if (best->mismatch.missed_points <= bearable_miss && !is_flooded)
+            return std::move(best->attempt);
+        if (best->mismatch.missed_points > bearable_miss)
+            back_open_sheet(best->attempt, progress.part(0, 0.3));
+        if (best->attempt.is_settled)
             return std::move(best->attempt);
         const double mismatch = best->mismatch.weighted_sum();
         if (points_.size() > most_points_twice)
@@ -211,16 +191,13 @@ public:
             find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
         const bool has_ground = add_ground(found.cloud, lost);
         if (is_open(found.cloud) && !has_ground && !found.opened && points_.size() <= most_points_twice)
-        {
-            BallLabellingOptions labelling = options_for(found.cloud);
-            labelling.limit = limit_for(found.cloud);
-            if (std::optional<BackedSheets> sheet = recon::back_open_sheet(found.cloud.samples, found.cloud.normals,
-                                                                           found.labelled, labelling, times_, progress))
+            if (std::optional<BackedSheets> sheet =
+                    recon::back_open_sheet(found.cloud.samples, found.cloud.normals, found.labelled,
+                                           usual_options_for(found.cloud), times_, progress))
             {
                 take(found, std::move(*sheet));
                 return found;
             }
-        }
         if (lost.share <= bearable_lost)
             return back_some_sheets(std::move(found), lost, progress);
         const double handles = measure_closed_topology(extract(found)).genus(),
@@ -261,18 +238,37 @@ public:
     }
 
 private:
+    /// A clean cloud that is an open sheet, with a back where it needs one.
+    void back_open_sheet(LabelledCloud& found, const Progress& progress)
+    {
+        PreparedSamples& cloud = found.cloud;
+        if (found.completed > 0 || points_.size() > most_points_twice)
+            return;
+        const CleanSurface surface = build_clean_surface(cloud, progress.part(0, 0.4));
+        if (!surface.amls.report().open)
+            return;
+        const Vectors normals = surface.list_normals(options_.threads, progress.part(0.4, 0.5));
+        if (LostSheets none; recon::add_ground(cloud.samples, normals, none))
+            return;
+        if (std::optional<BackedSheets> sheet =
+                label_open_sheet(cloud.samples, normals, usual_options_for(cloud), times_, progress.part(0.5, 1)))
+        {
+            take(found, std::move(*sheet));
+            found.is_settled = true;
+        }
+    }
+
     /// The same where nothing else is wrong: a wall whose hollow no view closed.
     LabelledCloud back_some_sheets(LabelledCloud found, const LostSheets& lost, const Progress& progress)
     {
         PreparedSamples& cloud = found.cloud;
         if (found.opened || options_.denoise == Denoise::off || cloud.samples.size() > most_points_twice)
             return found;
-        BallLabellingOptions labelling = options_for(cloud);
-        labelling.limit = limit_for(cloud);
         const auto list_normals = [&](const Progress& part)
         { return cloud.denoised ? cloud.normals : list_clean_normals(cloud, part); };
-        if (std::optional<BackedSheets> backed = label_with_backs(lost, cloud.samples, cloud.denoised, list_normals,
-                                                                  found.labelled, labelling, times_, progress))
+        if (std::optional<BackedSheets> backed =
+                label_with_backs(lost, cloud.samples, cloud.denoised, list_normals, found.labelled,
+                                 usual_options_for(cloud), times_, progress))
             take(found, std::move(*backed));
         return found;
     }
@@ -477,6 +473,13 @@ private:
         return is_clean && options_.noise == 0 ? BallLimit::fewest_votes : BallLimit::local;
     }
 
+    BallLabellingOptions usual_options_for(const PreparedSamples& cloud) const
+    {
+        BallLabellingOptions result = options_for(cloud);
+        result.limit = limit_for(cloud);
+        return result;
+    }
+
     LabelledCloud label(PreparedSamples cloud, BallLimit limit, const Progress& progress)
     {
         BallLabellingOptions labelling = options_for(cloud);
@@ -506,10 +509,9 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     const bool has_bare_flats = first.cloud.denoised && first.completed > 0;
     if (!first.cloud.denoised && options.denoise == Denoise::automatic)
     {
-        first = attempts.back_open_sheet(std::move(first), progress.part(0.7, 0.75, "open sheet"));
+        first = attempts.doubt_cleanness(std::move(first), progress.part(0.7, 0.8, "other attempts"));
         if (first.is_settled)
             return first;
-        first = attempts.doubt_cleanness(std::move(first), progress.part(0.75, 0.8, "other attempts"));
         first = attempts.orient_walls(std::move(first), progress.part(0.8, 0.9, "thin walls"));
     }
     else if (first.cloud.denoised && options.noise == 0)

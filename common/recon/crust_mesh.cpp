@@ -115,6 +115,14 @@ std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vecto
     return sorted;
 }
 
+/// Adds a triangle's part of the volume that a mesh encloses, and its area.
+void add_extent(const TriangleMesh& mesh, const std::array<int, 3>& t, double& volume, double& area)
+{
+    const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    volume += a.dot(b.cross(c)) / 6;
+    area += (b - a).cross(c - a).norm() / 2;
+}
+
 } // namespace
 
 CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vector<Side>& labels, int threads)
@@ -213,6 +221,9 @@ MeshComponents find_components(const TriangleMesh& mesh)
             component = result.count++;
         result.of_triangle.push_back(component);
     }
+    result.of_vertex.resize(mesh.vertices.size());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        result.of_vertex[v] = number[std::size_t(sets.find(int(v)))];
     return result;
 }
 
@@ -260,11 +271,8 @@ DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double sp
     std::vector<std::size_t> triangles(volume.size(), 0);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     {
-        const auto& t = mesh.triangles[i];
         const int component = components.of_triangle[i];
-        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-        volume[component] += a.dot(b.cross(c)) / 6;
-        area[component] += (b - a).cross(c - a).norm() / 2;
+        add_extent(mesh, mesh.triangles[i], volume[component], area[component]);
         ++triangles[component];
     }
     const int largest = int(std::max_element(volume.begin(), volume.end()) - volume.begin());
@@ -356,11 +364,7 @@ double measure_thickness(const TriangleMesh& mesh)
 {
     double volume = 0, area = 0;
     for (const auto& t : mesh.triangles)
-    {
-        const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-        volume += a.dot(b.cross(c)) / 6;
-        area += (b - a).cross(c - a).norm() / 2;
-    }
+        add_extent(mesh, t, volume, area);
     return area > 0 ? 2 * volume / area : 0;
 }
 

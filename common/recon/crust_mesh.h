@@ -31,6 +31,7 @@ TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads = 1
 struct MeshComponents
 {
     std::vector<int> of_triangle;
+    std::vector<int> of_vertex; ///< -1 if it has no triangle.
     int count = 0;
 };
 MeshComponents find_components(const TriangleMesh& mesh);

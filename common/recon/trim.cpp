@@ -176,10 +176,7 @@ void close_short_rims(TriangleMesh& mesh)
     constexpr std::size_t most_sides = 6;
     std::vector<std::vector<int>> rims = list_rims(mesh);
     const MeshComponents components = find_components(mesh);
-    std::vector<int> part(mesh.vertices.size(), 0);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        for (const int v : mesh.triangles[i])
-            part[v] = components.of_triangle[i];
+    const std::vector<int>& part = components.of_vertex;
     std::vector<std::size_t> longest(std::size_t(components.count), 0);
     for (const std::vector<int>& rim : rims)
         longest[part[rim[0]]] = std::max(longest[part[rim[0]]], rim.size());
