@@ -2,6 +2,7 @@
 
 #include "tests/checks.h"
 #include "tests/ground_scenes.h"
+#include "tests/open_sheets.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
@@ -70,6 +71,13 @@ TriangleMesh mesh_of_scene(const Points& points, bool opens_holes)
     AmlsReconstructionOptions options;
     options.open_holes = opens_holes;
     return reconstruct_amls(points, options).mesh;
+}
+
+AmlsReconstruction reconstruct_opened(const Points& points)
+{
+    AmlsReconstructionOptions options;
+    options.open_holes = true;
+    return reconstruct_amls(points, options);
 }
 
 } // namespace
@@ -149,54 +157,14 @@ TEST(ReconstructAmls, GroundsSeenFromOneSideGetABack)
     }
 }
 
-// Below them is no ball to be inside, or one here and there: they were projected and thinned, though exact, and had
-// flaps where slab and lid met.
 TEST(ReconstructAmls, OpenSheetsOfExactPointsKeepThem)
 {
-    struct Case
-    {
-        const char* name;
-        OrientedSamples samples;
-    };
-    for (const Case& one : {Case{"low terrain", shapes::wavy_terrain(4000, 0.05, 1, 1, 3)},
-                            Case{"terrain", shapes::wavy_terrain(4000, 0.2, 3, 4, 3)},
-                            Case{"S", shapes::s_sheet(4000, 3)}, Case{"roll", shapes::rolled_sheet(4000, 3)}})
-    {
-        const Points& points = one.samples.points;
-        AmlsReconstructionOptions options;
-        options.open_holes = true;
-        const auto found = reconstruct_amls(points, options);
-        EXPECT_EQ(found.components, 1) << one.name;
-        EXPECT_EQ(found.genus, 0) << one.name;
-        EXPECT_EQ(found.boundary_loops, 1) << one.name;
-        EXPECT_NEAR(double(found.mesh.vertices.size()), double(points.size()), 8) << one.name;
-        EXPECT_LT(measure_missed_points(points, found.mesh), 1e-3) << one.name;
-        EXPECT_GT(checks::share_faced_one_way(found.mesh, one.samples, 1e-9), 0.998) << one.name;
-    }
+    open_sheets::expect_exact_points_kept(reconstruct_opened);
 }
 
 TEST(ReconstructAmls, NoisyOpenSheetsComeOutWhole)
 {
-    struct Case
-    {
-        const char* name;
-        OrientedSamples samples;
-        double area;
-    };
-    for (const Case& one :
-         {Case{"terrain", shapes::wavy_terrain(10000, 0.1, 9, 9, 3), 4.6}, Case{"S", shapes::s_sheet(10000, 3), 6.1},
-          Case{"roll", shapes::rolled_sheet(10000, 3), 7.9}})
-    {
-        const double sigma = 0.2 * std::sqrt(one.area / double(one.samples.points.size()));
-        AmlsReconstructionOptions options;
-        options.open_holes = true;
-        const auto found = reconstruct_amls(shapes::with_noise(one.samples.points, sigma, 4), options);
-        EXPECT_EQ(found.components, 1) << one.name;
-        EXPECT_EQ(found.genus, 0) << one.name;
-        EXPECT_EQ(found.boundary_loops, 1) << one.name;
-        EXPECT_LT(measure_missed_points(one.samples.points, found.mesh), 2e-3) << one.name;
-        EXPECT_GT(checks::share_faced_one_way(found.mesh, one.samples, 0.3), 0.995) << one.name;
-    }
+    open_sheets::expect_noisy_ones_whole(reconstruct_opened);
 }
 
 // Backs within the ball would make it hollow.
@@ -210,9 +178,7 @@ TEST(ReconstructAmls, ABallOverATerrainNeedsNoBack)
                 points.push_back(p + Point(0.2, 0.1, 0.4 + radius));
             points = shapes::with_noise(points, noise, 3);
             EXPECT_EQ(reconstruct_amls(points).components, 2);
-            AmlsReconstructionOptions options;
-            options.open_holes = true;
-            const AmlsReconstruction open = reconstruct_amls(points, options);
+            const AmlsReconstruction open = reconstruct_opened(points);
             EXPECT_EQ(open.components, 2);
             EXPECT_EQ(open.genus, 0);
             EXPECT_EQ(open.boundary_loops, 1);
@@ -442,9 +408,7 @@ TEST(ReconstructAmls, AShallowDomeOfExactPointsKeepsThem)
             cap.push_back(p);
     ASSERT_GT(cap.size(), 800u);
     EXPECT_EQ(reconstruct_amls(cap).euler_characteristic, 2);
-    AmlsReconstructionOptions options;
-    options.open_holes = true;
-    const AmlsReconstruction result = reconstruct_amls(cap, options);
+    const AmlsReconstruction result = reconstruct_opened(cap);
     EXPECT_EQ(result.samples, int(cap.size()));
     EXPECT_EQ(result.euler_characteristic, 1);
     int off = 0;

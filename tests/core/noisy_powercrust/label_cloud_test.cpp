@@ -3,6 +3,7 @@
 
 #include "flat_shapes.h"
 #include "tests/checks.h"
+#include "tests/open_sheets.h"
 #include "tests/shapes.h"
 
 #include <recon/mismatch.h>
@@ -25,6 +26,13 @@ bool says(const NoisyPowerCrust& crust, const std::string& words)
 {
     return std::any_of(crust.warnings.begin(), crust.warnings.end(),
                        [&](const std::string& text) { return text.find(words) != std::string::npos; });
+}
+
+NoisyPowerCrust reconstruct_opened(const Points& points)
+{
+    NoisyPowerCrustOptions options;
+    options.open_holes = true;
+    return reconstruct_noisy_power_crust(points, options);
 }
 
 } // namespace
@@ -228,54 +236,14 @@ TEST(NoisyPowerCrust, AFinIsKeptThoughItsSlabHasAHandle)
     EXPECT_LT(measure_missed_points(ball.fin_points(), crust.mesh), 0.05); // 0.8 without
 }
 
-// Below them is no ball to be inside, or one here and there: they were projected and thinned, though exact, and had
-// flaps where slab and lid met.
 TEST(NoisyPowerCrust, OpenSheetsOfExactPointsKeepThem)
 {
-    struct Case
-    {
-        const char* name;
-        OrientedSamples samples;
-    };
-    for (const Case& one : {Case{"low terrain", shapes::wavy_terrain(4000, 0.05, 1, 1, 3)},
-                            Case{"terrain", shapes::wavy_terrain(4000, 0.2, 3, 4, 3)},
-                            Case{"S", shapes::s_sheet(4000, 3)}, Case{"roll", shapes::rolled_sheet(4000, 3)}})
-    {
-        const Points& points = one.samples.points;
-        NoisyPowerCrustOptions options;
-        options.open_holes = true;
-        const auto found = reconstruct_noisy_power_crust(points, options);
-        EXPECT_EQ(found.components, 1) << one.name;
-        EXPECT_EQ(found.genus, 0) << one.name;
-        EXPECT_EQ(found.boundary_loops, 1) << one.name;
-        EXPECT_NEAR(double(found.mesh.vertices.size()), double(points.size()), 8) << one.name;
-        EXPECT_LT(measure_missed_points(points, found.mesh), 1e-3) << one.name;
-        EXPECT_GT(checks::share_faced_one_way(found.mesh, one.samples, 1e-9), 0.998) << one.name;
-    }
+    open_sheets::expect_exact_points_kept(reconstruct_opened);
 }
 
 TEST(NoisyPowerCrust, NoisyOpenSheetsComeOutWhole)
 {
-    struct Case
-    {
-        const char* name;
-        OrientedSamples samples;
-        double area;
-    };
-    for (const Case& one :
-         {Case{"terrain", shapes::wavy_terrain(10000, 0.1, 9, 9, 3), 4.6}, Case{"S", shapes::s_sheet(10000, 3), 6.1},
-          Case{"roll", shapes::rolled_sheet(10000, 3), 7.9}})
-    {
-        const double sigma = 0.2 * std::sqrt(one.area / double(one.samples.points.size()));
-        NoisyPowerCrustOptions options;
-        options.open_holes = true;
-        const auto found = reconstruct_noisy_power_crust(shapes::with_noise(one.samples.points, sigma, 4), options);
-        EXPECT_EQ(found.components, 1) << one.name;
-        EXPECT_EQ(found.genus, 0) << one.name;
-        EXPECT_EQ(found.boundary_loops, 1) << one.name;
-        EXPECT_LT(measure_missed_points(one.samples.points, found.mesh), 2e-3) << one.name;
-        EXPECT_GT(checks::share_faced_one_way(found.mesh, one.samples, 0.3), 0.995) << one.name;
-    }
+    open_sheets::expect_noisy_ones_whole(reconstruct_opened);
 }
 
 TEST(DescribeLostSheets, AdvisesWhatHasNotBeenTried)
