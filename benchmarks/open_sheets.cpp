@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,7 +28,8 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-using Map = std::function<Point(double, double)>;
+using Map = shapes::SheetMap;
+using shapes::wavy_terrain;
 
 struct Sheet
 {
@@ -49,11 +49,6 @@ Map over_square(Height height)
     };
 }
 
-Map waves(double height, double along_x, double along_y)
-{
-    return over_square([=](double x, double y) { return height * std::sin(along_x * x) * std::cos(along_y * y); });
-}
-
 /// A surface of revolution around z: its radius at heights from `lowest` to `highest`.
 template <class Radius>
 Map revolved(double lowest, double highest, Radius radius)
@@ -68,17 +63,6 @@ Map revolved(double lowest, double highest, Radius radius)
 Map sphere_above(double z)
 {
     return revolved(z, 1, [](double h) { return std::sqrt(std::max(0.0, 1 - h * h)); });
-}
-
-/// A plane curve, 1.6 wide.
-template <class Curve>
-Map extruded(Curve curve)
-{
-    return [=](double u, double v)
-    {
-        const Point p = curve(u);
-        return Point(p.x(), 1.6 * v, p.z());
-    };
 }
 
 double rough(double x, double y)
@@ -101,12 +85,12 @@ Point face(double u, double v)
 }
 
 const std::vector<Sheet> sheets = {
-    {"terrain, low", 1, waves(0.05, 1, 1)},
-    {"terrain, hills", 1, waves(0.2, 1.5, 2)},
-    {"terrain, waves", 1, waves(0.2, 3, 4)},
-    {"terrain, short waves", 1, waves(0.1, 6, 5)},
-    {"terrain, egg carton", 1, waves(0.1, 9, 9)},
-    {"terrain, steep", 1, waves(0.4, 3, 3)},
+    {"terrain, low", 1, wavy_terrain(0.05, 1, 1)},
+    {"terrain, hills", 1, wavy_terrain(0.2, 1.5, 2)},
+    {"terrain, waves", 1, wavy_terrain(0.2, 3, 4)},
+    {"terrain, short waves", 1, wavy_terrain(0.1, 6, 5)},
+    {"terrain, egg carton", 1, wavy_terrain(0.1, 9, 9)},
+    {"terrain, steep", 1, wavy_terrain(0.4, 3, 3)},
     {"terrain, rough", 1, over_square(rough)},
     {"corrugated", 1, over_square([](double x, double) { return 0.1 * std::sin(9 * x); })},
     {"saddle", 1, over_square([](double x, double y) { return 0.4 * (x * x - y * y); })},
@@ -114,29 +98,13 @@ const std::vector<Sheet> sheets = {
     {"shallow cap", 1, sphere_above(0.8)},
     {"half sphere", 1, sphere_above(0)},
     {"sphere without a cap", 1, sphere_above(-0.6)},
-    {"half cylinder", 1, extruded([](double u) { return Point(0.5 * std::cos(pi * u), 0, 0.5 * std::sin(pi * u)); })},
+    {"half cylinder", 1,
+     [](double u, double v) { return Point(0.5 * std::cos(pi * u), 1.6 * v, 0.5 * std::sin(pi * u)); }},
     {"tube", 2, revolved(-1, 1, [](double) { return 0.5; })},
     {"face", 1, face},
-    {"S", 1,
-     extruded(
-         [](double u)
-         {
-             const double turn = 1.5 * pi * (2 * u - 1), rise = 1 - std::cos(turn);
-             return Point(0.4 * std::sin(turn), 0, 0.4 * (turn > 0 ? rise : -rise));
-         })},
-    {"roll", 1,
-     extruded(
-         [](double u)
-         {
-             const double turn = 1.5 * pi * (1 + 2 * u);
-             return Point(turn / 12 * std::cos(turn), 0, turn / 12 * std::sin(turn));
-         })},
-    {"helicoid", 1,
-     [](double u, double v)
-     {
-         const double radius = 0.2 + 0.8 * u, turn = 1.5 * pi * v;
-         return Point(radius * std::cos(turn), radius * std::sin(turn), 0.25 * turn);
-     }},
+    {"S", 1, shapes::s_sheet},
+    {"roll", 1, shapes::rolled_sheet},
+    {"helicoid", 1, shapes::winding_sheet},
 };
 
 recon::TriangleMesh tessellate(const Map& at)

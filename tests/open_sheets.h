@@ -23,9 +23,10 @@ void expect_exact_points_kept(const Reconstruct& reconstruct)
         const char* name;
         recon::OrientedSamples samples;
     };
-    for (const Case& one : {Case{"low terrain", shapes::wavy_terrain(4000, 0.05, 1, 1, 3)},
-                            Case{"terrain", shapes::wavy_terrain(4000, 0.2, 3, 4, 3)},
-                            Case{"S", shapes::s_sheet(4000, 3)}, Case{"roll", shapes::rolled_sheet(4000, 3)}})
+    for (const Case& one : {Case{"low terrain", shapes::sheet(4000, shapes::wavy_terrain(0.05, 1, 1), 3)},
+                            Case{"terrain", shapes::sheet(4000, shapes::wavy_terrain(0.2, 3, 4), 3)},
+                            Case{"S", shapes::sheet(4000, shapes::s_sheet, 3)},
+                            Case{"roll", shapes::sheet(4000, shapes::rolled_sheet, 3)}})
     {
         const recon::Points& points = one.samples.points;
         const auto found = reconstruct(points);
@@ -47,9 +48,9 @@ void expect_noisy_ones_whole(const Reconstruct& reconstruct)
         recon::OrientedSamples samples;
         double area;
     };
-    for (const Case& one :
-         {Case{"terrain", shapes::wavy_terrain(10000, 0.1, 9, 9, 3), 4.6}, Case{"S", shapes::s_sheet(10000, 3), 6.1},
-          Case{"roll", shapes::rolled_sheet(10000, 3), 7.9}})
+    for (const Case& one : {Case{"terrain", shapes::sheet(10000, shapes::wavy_terrain(0.1, 9, 9), 3), 4.6},
+                            Case{"S", shapes::sheet(10000, shapes::s_sheet, 3), 6.1},
+                            Case{"roll", shapes::sheet(10000, shapes::rolled_sheet, 3), 7.9}})
     {
         const double sigma = 0.2 * std::sqrt(one.area / double(one.samples.points.size()));
         const auto found = reconstruct(shapes::with_noise(one.samples.points, sigma, 4));

@@ -277,7 +277,7 @@ Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed)
     return points;
 }
 
-OrientedSamples sheet(int n, const std::function<Point(double, double)>& at, std::uint64_t seed)
+OrientedSamples sheet(int n, const SheetMap& at, std::uint64_t seed)
 {
     constexpr int grid = 64;
     constexpr double step = 1e-5, margin = 1.05;
@@ -301,44 +301,31 @@ OrientedSamples sheet(int n, const std::function<Point(double, double)>& at, std
     return samples;
 }
 
-OrientedSamples s_sheet(int n, std::uint64_t seed)
+Point s_sheet(double u, double v)
 {
-    const auto at = [](double u, double v)
-    {
-        const double turn = 1.5 * pi * (2 * u - 1), rise = 1 - std::cos(turn);
-        return Point(0.4 * std::sin(turn), 1.6 * v, 0.4 * (turn > 0 ? rise : -rise));
-    };
-    return sheet(n, at, seed);
+    const double turn = 1.5 * pi * (2 * u - 1), rise = 1 - std::cos(turn);
+    return {0.4 * std::sin(turn), 1.6 * v, 0.4 * (turn > 0 ? rise : -rise)};
 }
 
-OrientedSamples rolled_sheet(int n, std::uint64_t seed)
+Point rolled_sheet(double u, double v)
 {
-    const auto at = [](double u, double v)
-    {
-        const double turn = 1.5 * pi * (1 + 2 * u);
-        return Point(turn / 12 * std::cos(turn), 1.6 * v, turn / 12 * std::sin(turn));
-    };
-    return sheet(n, at, seed);
+    const double turn = 1.5 * pi * (1 + 2 * u);
+    return {turn / 12 * std::cos(turn), 1.6 * v, turn / 12 * std::sin(turn)};
 }
 
-OrientedSamples winding_sheet(int n, std::uint64_t seed)
+Point winding_sheet(double u, double v)
 {
-    const auto at = [](double u, double v)
-    {
-        const double radius = 0.2 + 0.8 * u, turn = 1.5 * pi * v;
-        return Point(radius * std::cos(turn), radius * std::sin(turn), 0.25 * turn);
-    };
-    return sheet(n, at, seed);
+    const double radius = 0.2 + 0.8 * u, turn = 1.5 * pi * v;
+    return {radius * std::cos(turn), radius * std::sin(turn), 0.25 * turn};
 }
 
-OrientedSamples wavy_terrain(int n, double height, double along_x, double along_y, std::uint64_t seed)
+SheetMap wavy_terrain(double height, double along_x, double along_y)
 {
-    const auto at = [&](double u, double v)
+    return [=](double u, double v)
     {
         const double x = 2 * u - 1, y = 2 * v - 1;
         return Point(x, y, height * std::sin(along_x * x) * std::cos(along_y * y));
     };
-    return sheet(n, at, seed);
 }
 
 Points thin_plate(int side, double thickness, std::uint64_t seed)

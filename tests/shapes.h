@@ -83,16 +83,18 @@ recon::OrientedSamples ball_apart_from_a_floor(const recon::Point& centre, doubl
 /// Floor and wall of a cup of radius 1 along z, whose rim at `height` goes up and down by `wave` three times around.
 recon::Points cup_with_wavy_rim(int n, double height, double wave, std::uint64_t seed);
 
-/// Open sheets, random points with normals of one side. \param at the surface over the unit square.
-recon::OrientedSamples sheet(int n, const std::function<recon::Point(double, double)>& at, std::uint64_t seed);
-/// Two arcs of 270 degrees that bend to either side, 2 long and 1.6 wide.
-recon::OrientedSamples s_sheet(int n, std::uint64_t seed);
+/// A surface over the unit square.
+using SheetMap = std::function<recon::Point(double, double)>;
+/// Area-uniform random points of an open sheet with normals of one side.
+recon::OrientedSamples sheet(int n, const SheetMap& at, std::uint64_t seed);
+/// Two arcs of 270 degrees and radius 0.4 that bend to either side, 1.6 wide.
+recon::Point s_sheet(double u, double v);
 /// A spiral of 1.5 turns, 0.52 apart, 2.4 in diameter and 1.6 wide.
-recon::OrientedSamples rolled_sheet(int n, std::uint64_t seed);
+recon::Point rolled_sheet(double u, double v);
 /// A helicoid of 270 degrees around the z axis, radii 0.2 to 1, that rises by 1.2.
-recon::OrientedSamples winding_sheet(int n, std::uint64_t seed);
+recon::Point winding_sheet(double u, double v);
 /// A terrain of side 2, z = height sin(along_x x) cos(along_y y), facing up.
-recon::OrientedSamples wavy_terrain(int n, double height, double along_x, double along_y, std::uint64_t seed);
+SheetMap wavy_terrain(double height, double along_x, double along_y);
 
 /// Distance to the surface, >= 0.
 double distance_to_sphere(const recon::Point& p, double radius);

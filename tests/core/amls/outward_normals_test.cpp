@@ -141,11 +141,11 @@ TEST(OutwardNormals, AreConsistentOnSheetsThatBendBack)
             const double facing = checks::share_facing(found.normals, sheet.normals);
             EXPECT_GT(std::max(facing, 1 - facing), 0.99) << name << noise;
         };
-        check("S", shapes::s_sheet(3000, 5), 6);
-        check("S", shapes::s_sheet(10000, 5), 6);
-        check("roll", shapes::rolled_sheet(10000, 5), 12);
-        check("helicoid", shapes::winding_sheet(10000, 6), 2.5);
-        check("terrain", shapes::wavy_terrain(40000, 0.1, 6, 5, 5), 4.2);
+        check("S", shapes::sheet(3000, shapes::s_sheet, 5), 6);
+        check("S", shapes::sheet(10000, shapes::s_sheet, 5), 6);
+        check("roll", shapes::sheet(10000, shapes::rolled_sheet, 5), 12);
+        check("helicoid", shapes::sheet(10000, shapes::winding_sheet, 6), 2.5);
+        check("terrain", shapes::sheet(40000, shapes::wavy_terrain(0.1, 6, 5), 5), 4.2);
     }
 }
 
@@ -154,7 +154,7 @@ TEST(OutwardNormals, NoiseOfASheetIsNoThinWall)
 {
     for (const std::uint64_t seed : {1, 3, 4})
     {
-        const OrientedSamples sheet = shapes::winding_sheet(3000, seed);
+        const OrientedSamples sheet = shapes::sheet(3000, shapes::winding_sheet, seed);
         const OutwardNormals found =
             find_outward_normals(shapes::with_noise(sheet.points, 0.3 * std::sqrt(2.5 / 3000), seed + 1));
         EXPECT_TRUE(found.surface.open);

@@ -173,7 +173,7 @@ TEST(ReconstructAmls, ABallOverATerrainNeedsNoBack)
     for (const double radius : {0.3, 0.6})
         for (const double noise : {0.0, 0.01})
         {
-            Points points = shapes::wavy_terrain(3000, 0.2, 3, 4, 3).points;
+            Points points = shapes::sheet(3000, shapes::wavy_terrain(0.2, 3, 4), 3).points;
             for (const Point& p : shapes::sphere(int(8000 * radius * radius), radius, 5).points)
                 points.push_back(p + Point(0.2, 0.1, 0.4 + radius));
             points = shapes::with_noise(points, noise, 3);
