@@ -53,48 +53,83 @@ DisjointSets join_neighbours(const Triangulation& regular, std::size_t balls, in
 class BallLink
 {
 public:
+    /// \param balls of the triangulations to come [count].
+    explicit BallLink(std::size_t balls) : number_(balls, none) {}
+
     /// Replaces the content; `labels` must stay alive.
     void build(const Triangulation& regular, const CellsAtVertices& at, int ball, const std::vector<Side>& labels)
     {
+        for (const int old : balls_)
+            number_[old] = none;
         balls_.clear();
-        pieces_.clear();
+        parent_.clear();
         labels_ = &labels;
         for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
         {
-            std::array<int, 3> corners;
-            int count = 0;
+            // Of one side in a cell all are neighbours: to join each to the first is enough.
+            int first[2] = {none, none};
             for (const int v : regular.cells[at.cell[k]].vertices)
                 if (v != ball && v != Triangulation::infinite)
-                    corners[count++] = number_of(v);
-            for (int i = 1; i < count; ++i)
-                for (int j = 0; j < i; ++j)
-                    if (labels[balls_[corners[i]]] == labels[balls_[corners[j]]])
-                        pieces_.join(corners[i], corners[j]);
+                {
+                    const int i = number_of(v);
+                    int& own = first[labels[v] == Side::inner];
+                    if (own == none)
+                        own = i;
+                    else
+                        join(own, i);
+                }
         }
     }
     /// One ball of each piece on `side`.
-    std::vector<int> pieces(Side side)
+    std::vector<int> pieces(Side side) const
     {
         std::vector<int> result;
-        for (int i = 0; i < int(balls_.size()); ++i)
-            if (pieces_.find(i) == i && (*labels_)[balls_[i]] == side)
+        for (std::size_t i = 0; i < balls_.size(); ++i)
+            if (parent_[i] == int(i) && (*labels_)[balls_[i]] == side)
                 result.push_back(balls_[i]);
         return result;
+    }
+    int count_pieces(Side side) const
+    {
+        int count = 0;
+        for (std::size_t i = 0; i < balls_.size(); ++i)
+            count += parent_[i] == int(i) && (*labels_)[balls_[i]] == side;
+        return count;
     }
     const std::vector<int>& balls() const { return balls_; }
 
 private:
+    static constexpr int none = -1;
+
     int number_of(int ball)
     {
-        const auto found = std::find(balls_.begin(), balls_.end(), ball);
-        if (found != balls_.end())
-            return int(found - balls_.begin());
-        balls_.push_back(ball);
-        return pieces_.add();
+        int& number = number_[ball];
+        if (number == none)
+        {
+            number = int(balls_.size());
+            balls_.push_back(ball);
+            parent_.push_back(number);
+        }
+        return number;
     }
+    int find(int i)
+    {
+        while (parent_[i] != i)
+            i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    /// The lowest of a set represents it.
+    void join(int i, int j)
+    {
+        i = find(i);
+        j = find(j);
+        parent_[std::max(i, j)] = std::min(i, j);
+    }
+
     const std::vector<Side>* labels_ = nullptr;
+    std::vector<int> number_; ///< Per ball its place in the link, or none.
     std::vector<int> balls_;
-    DisjointSets pieces_;
+    std::vector<int> parent_; ///< Per place, of the pieces' union-find.
 };
 
 } // namespace recon

@@ -188,7 +188,7 @@ int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, 
     std::sort(candidates.begin(), candidates.end(),
               [&](int a, int b) { return margins[a] != margins[b] ? margins[a] < margins[b] : a < b; });
     const CellsAtVertices at = list_cells_at_vertices(regular, n, threads);
-    BallLink link;
+    BallLink link(labels.size());
     int total = 0;
     for (int round = 0; round < rounds; ++round)
     {
@@ -202,7 +202,7 @@ int cut_handles(const Triangulation& regular, const std::vector<char>& is_root, 
                 continue;
             link.build(regular, at, ball, labels);
             const std::vector<int> own = link.pieces(side);
-            if (own.size() < 2 || own.size() <= link.pieces(opposite(side)).size())
+            if (own.size() < 2 || int(own.size()) <= link.count_pieces(opposite(side)))
                 continue;
             if (!are_connected_without(ball, own, regular, at, labels))
                 continue;

@@ -52,7 +52,7 @@ std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVe
     };
     for (const int i : candidates)
         enqueue(i);
-    BallLink link;
+    BallLink link(labels.size());
     while (!queue.empty())
     {
         const int ball = -queue.top().second;
@@ -62,7 +62,7 @@ std::vector<int> find_ring_closers(const Triangulation& regular, const CellsAtVe
         std::vector<int> own = link.pieces(side);
         if (own.empty())
             continue; // until a neighbour arrives
-        const int pieces = int(own.size()), others = int(link.pieces(opposite(side)).size());
+        const int pieces = int(own.size()), others = link.count_pieces(opposite(side));
         for (int& piece : own)
             piece = components.find(piece);
         std::sort(own.begin(), own.end());
@@ -167,16 +167,15 @@ int measure_turn(int ball, BallLink& link, const Triangulation& regular, const C
                  const std::vector<Side>& labels)
 {
     link.build(regular, at, ball, labels);
-    return 2 * (int(link.pieces(labels[ball]).size()) - int(link.pieces(opposite(labels[ball])).size()));
+    return 2 * (link.count_pieces(labels[ball]) - link.count_pieces(opposite(labels[ball])));
 }
 
 /// Those balls of a set that have to turn for the gain in Euler characteristic: all turn, then each that need not, and
 /// against whose turning there is evidence, turns back. \param gain what turning the result changes the Euler
 /// characteristic by. `labels` are as before in the end.
-std::vector<int> narrow(std::vector<int> set, Evidence& evidence, const Triangulation& regular,
+std::vector<int> narrow(std::vector<int> set, Evidence& evidence, BallLink& link, const Triangulation& regular,
                         const CellsAtVertices& at, std::vector<Side>& labels, int& gain)
 {
-    BallLink link;
     const Side side = labels[set.front()];
     gain = 0;
     for (const int ball : set)
@@ -291,6 +290,7 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
         is_doubtful[i] = margins[i] < options.highest_margin && !graph.is_root[i];
     RingSearch rings(regular, at, balls);
     Evidence evidence(graph, is_doubtful);
+    BallLink link(labels.size());
     int total = 0;
     for (int round = 0; round < options.rounds; ++round)
     {
@@ -313,7 +313,7 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
         for (const auto& closer : closers)
         {
             int gain = 0;
-            const std::vector<int> set = narrow(closer.second, evidence, regular, at, labels, gain);
+            const std::vector<int> set = narrow(closer.second, evidence, link, regular, at, labels, gain);
             if (gain <= 0)
                 continue;
             const SetMeasures measures = measure_set(set, labels[set.front()], balls, scale, outwardness);

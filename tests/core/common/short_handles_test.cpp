@@ -8,8 +8,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
+#include <set>
+#include <vector>
 
 using namespace recon;
 
@@ -182,6 +186,49 @@ TEST(ShortHandles, RemovesALongHandleThatItsLargeBallsDoNotSupport)
     EXPECT_EQ(planted.report().genus(), 0);
 }
 
+// One link serves all balls in turn: nothing of the last may be left. By the definition: balls that share a cell with
+// it, joined where they share one of these and their side.
+TEST(BallLink, HasTheNeighboursAndTheirPieces)
+{
+    const PlantedTunnel planted(0.8, true);
+    const int n = int(planted.labels.size());
+    const CellsAtVertices at = list_cells_at_vertices(planted.regular, n);
+    BallLink link(planted.labels.size());
+    int parted = 0;
+    for (int ball = 0; ball < n; ++ball)
+    {
+        link.build(planted.regular, at, ball, planted.labels);
+        std::map<int, std::set<int>> joined;
+        for (const auto& cell : planted.regular.cells)
+            if (std::count(cell.vertices.begin(), cell.vertices.end(), ball) > 0)
+                for (const int a : cell.vertices)
+                    for (const int b : cell.vertices)
+                        if (a >= 0 && b >= 0 && a != ball && b != ball && planted.labels[a] == planted.labels[b])
+                            joined[a].insert(b);
+        std::set<int> balls(link.balls().begin(), link.balls().end());
+        ASSERT_EQ(balls.size(), link.balls().size());
+        ASSERT_EQ(balls.size(), joined.size());
+        std::map<Side, int> pieces;
+        while (!balls.empty())
+        {
+            std::vector<int> piece = {*balls.begin()};
+            ++pieces[planted.labels[piece.front()]];
+            balls.erase(balls.begin());
+            for (std::size_t k = 0; k < piece.size(); ++k)
+                for (const int other : joined.at(piece[k]))
+                    if (balls.erase(other) > 0)
+                        piece.push_back(other);
+        }
+        for (const Side side : {Side::inner, Side::outer})
+        {
+            ASSERT_EQ(link.count_pieces(side), pieces[side]);
+            ASSERT_EQ(int(link.pieces(side).size()), pieces[side]);
+        }
+        parted += pieces[Side::inner] > 1 || pieces[Side::outer] > 1;
+    }
+    EXPECT_GT(parted, 10);
+}
+
 TEST(ShortHandles, TurnsFewBallsThatCouldStayAndHaveEvidence)
 {
     int turned = 0, idle = 0;
@@ -214,13 +261,13 @@ TEST(ShortHandles, TurnsFewBallsThatCouldStayAndHaveEvidence)
         for (const SignedEdge& edge : planted.graph.edges)
             for (const int ball : {edge.a, edge.b})
                 evidence[ball] += planted.labels[edge.a] == planted.labels[edge.b] ? edge.weight : -edge.weight;
-        BallLink link;
+        BallLink link(before.size());
         for (int i = 0; i < int(before.size()); ++i)
         {
             turned += planted.labels[i] != before[i];
             link.build(planted.regular, at, i, planted.labels);
-            idle += planted.labels[i] != before[i] && evidence[i] < 0 && link.pieces(Side::inner).size() == 1 &&
-                    link.pieces(Side::outer).size() == 1;
+            idle += planted.labels[i] != before[i] && evidence[i] < 0 && link.count_pieces(Side::inner) == 1 &&
+                    link.count_pieces(Side::outer) == 1;
         }
     }
     // What is turned later can make superfluous what was turned first; without narrowing it is a tenth.
