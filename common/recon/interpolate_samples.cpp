@@ -17,8 +17,10 @@ namespace
 
 /// A sample farther from the surface than this belongs to another part [longest side of the triangle there].
 constexpr double farthest = 0.5;
+/// The same of one that lies beside a vertex, which moves along the surface to it.
+constexpr double farthest_beside = 0.15;
 /// Moves that neighbours forbid succeed when these have moved and edges have flipped.
-constexpr int rounds = 3;
+constexpr int rounds = 6;
 
 class Interpolator
 {
@@ -64,24 +66,39 @@ private:
             }
     }
 
+    /// Whether the sample is near the vertex, or so near to the surface around it that it lies along that.
     bool is_near(int v, const Point& sample) const
     {
         double longest = 0;
         mesh_.for_each_from(
             v, [&](int h)
             { longest = std::max(longest, (mesh_.position(v) - mesh_.position(mesh_.target(h))).squaredNorm()); });
-        return (mesh_.position(v) - sample).squaredNorm() < farthest * farthest * longest;
+        if ((mesh_.position(v) - sample).squaredNorm() < farthest * farthest * longest)
+            return true;
+        double least = longest;
+        mesh_.for_each_from(v,
+                            [&](int h)
+                            {
+                                least = std::min(least, squared_distance(sample, mesh_.position(v),
+                                                                         mesh_.position(mesh_.target(h)),
+                                                                         mesh_.position(mesh_.opposite(h))));
+                            });
+        return least < farthest_beside * farthest_beside * longest;
     }
 
     void insert_missing()
     {
+        seatless_.erase(
+            std::remove_if(seatless_.begin(), seatless_.end(), [&](int sample) { return is_vertex_[sample]; }),
+            seatless_.end());
+        if (seatless_.empty())
+            return;
         Points vertices;
         for (int v = 0; v < mesh_.vertices(); ++v)
             vertices.push_back(mesh_.position(v));
         const BlockSearch search(vertices);
         for (const int i : seatless_)
-            if (!is_vertex_[i])
-                is_vertex_[i] = insert(samples_[i], search);
+            is_vertex_[i] = insert(samples_[i], search);
     }
 
     bool insert(const Point& p, const BlockSearch& search)
@@ -125,7 +142,7 @@ private:
     HalfEdgeMesh mesh_;
     const Points& samples_;
     const std::vector<int>& seats_;
-    std::vector<int> seatless_;   ///< Samples, ascending.
+    std::vector<int> seatless_;   ///< Samples, ascending, that are no vertices yet.
     std::vector<char> is_vertex_; ///< Per sample.
     std::vector<char> changed_;   ///< Per vertex, in this round.
     int threads_;
