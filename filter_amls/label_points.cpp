@@ -233,8 +233,8 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
 BallLabellingOptions options_for_labels(int threads)
 {
     BallLabellingOptions options;
-    options.share_balls = true;              // the crust goes through the samples
-    options.limit = BallLimit::fewest_votes; // of exact points
+    options.sharing = BallSharing::undisputed; // the crust goes through the samples
+    options.limit = BallLimit::fewest_votes;   // of exact points
     options.threads = threads;
     return options;
 }

@@ -27,7 +27,7 @@ constexpr double other_thickness = 4;
 /// and lid, and backs would have no room [spacings].
 constexpr std::size_t least_body = 100;
 constexpr double thinnest_body = 3;
-/// Above this a slab, which has twice as many and shares no balls, takes too much memory [samples].
+/// Above this a slab, which has twice as many, takes too much memory [samples].
 constexpr std::size_t most_backed = 1'000'000;
 
 /// A crust, and what it lacks of an open sheet.
@@ -94,6 +94,14 @@ std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, 
     return is_open;
 }
 
+/// Normals tell the sides, and the votes object at the rim whether balls are shared or not.
+BallLabellingOptions options_for_sheets(BallLabellingOptions options)
+{
+    if (options.sharing == BallSharing::undisputed)
+        options.sharing = BallSharing::always;
+    return options;
+}
+
 /// A sheet with a back behind all of it.
 struct Slab
 {
@@ -104,12 +112,10 @@ struct Slab
 Slab make_slab(const Points& samples, const Vectors& normals, const LostSheets& open, double thickness,
                const BallLabellingOptions& options, PhaseTimes& times, const Progress& progress)
 {
-    BallLabellingOptions unshared = options;
-    unshared.share_balls = false; // at its rim a slab violates more votes than shared balls may
     Points both = samples;
     Vectors both_normals = normals;
     const int backs = back_sheets(open, both, both_normals, options.threads, thickness);
-    LabelledBalls labelled = label_polar_balls(both, both_normals, unshared, times, progress);
+    LabelledBalls labelled = label_polar_balls(both, both_normals, options, times, progress);
     times.begin("backs of sheets");
     Found found = look_at(samples, labelled, options.threads);
     return {{std::move(both), std::move(both_normals), std::move(labelled), backs, open.share}, std::move(found)};
@@ -159,13 +165,14 @@ std::optional<BackedSheets> back_open_sheet(const Points& samples, const Vectors
     const Found lidded = look_at(samples, closed, options.threads);
     if (!lidded.is_flat() && !lidded.lacks_much())
         return {};
-    return back_all(samples, normals, lidded, options, times, progress);
+    return back_all(samples, normals, lidded, options_for_sheets(options), times, progress);
 }
 
 std::optional<BackedSheets> label_open_sheet(const Points& samples, const Vectors& normals,
-                                             const BallLabellingOptions& options, PhaseTimes& times,
+                                             const BallLabellingOptions& usual_options, PhaseTimes& times,
                                              const Progress& progress)
 {
+    const BallLabellingOptions options = options_for_sheets(usual_options);
     LabelledBalls closed = label_polar_balls(samples, normals, options, times, progress.part(0, 0.4, "polar balls"));
     times.begin("backs of sheets");
     const Found lidded = look_at(samples, closed, options.threads);

@@ -84,9 +84,14 @@ bool seems_filled(const Points& points, const Attempt& attempt, int threads)
     return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
 }
 
+double measure_missed_points(const Points& points, const Attempt& attempt, int threads)
+{
+    return measure_missed_points(attempt.found.frame.to_unit(points), crust_of(attempt), threads);
+}
+
 /// \param noise 0 = estimate.
-Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise, PhaseTimes& times,
-                     const Progress& progress)
+Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise, BallSharing sharing,
+                     PhaseTimes& times, const Progress& progress)
 {
     times.begin("surface");
     AmlsOptions surface_options;
@@ -95,7 +100,8 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
     surface_options.threads = options.threads;
     surface_options.terrain_faces_up = false; // see there
     AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"));
-    const BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));
+    BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));
+    labelling.sharing = sharing;
     LabelledSamples labelled =
         label_points(points, surface, noise == 0, labelling, times, progress.part(0.4, 0.8, "labels"));
     Attempt attempt{std::move(surface), std::move(labelled)};
@@ -121,18 +127,23 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
 
 /// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
 /// is one.
-std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstructionOptions& options, double noise,
-                                      PhaseTimes& times, const Progress& progress)
+std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstructionOptions& options,
+                                      const Attempt& first, PhaseTimes& times, const Progress& progress)
 {
-    constexpr int halvings = 3;
-    for (int i = 0; i < halvings; ++i)
+    const int threads = resolve_threads(options.threads);
+    const double noise = first.surface.report().noise, missed = measure_missed_points(points, first, threads);
+    // Where samples disputed that they share balls, those of the next attempt would, too.
+    const BallSharing sharing = first.found.labelled.is_shared ? BallSharing::undisputed : BallSharing::none;
+    for (int i = 1; i <= halvings; ++i)
     {
         try
         {
-            Attempt finer = attempt_mesh(points, options, std::ldexp(noise, -1 - i), times,
-                                         progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise"));
-            if (!has_lids(finer, crust_of(finer), resolve_threads(options.threads)))
+            Attempt finer = attempt_mesh(points, options, std::ldexp(noise, -i), sharing, times,
+                                         progress.part((i - 1.0) / halvings, double(i) / halvings, "less noise"));
+            if (!has_lids(finer, crust_of(finer), threads))
                 return finer;
+            if (measure_missed_points(points, finer, threads) > barely_less * missed)
+                i = std::max(i, halvings - 1);
         }
         catch (const AlgorithmFailure&) // nothing is inside
         {
@@ -148,12 +159,12 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
 {
     AmlsReconstruction result;
     PhaseTimes times;
-    Attempt attempt = attempt_mesh(points, options, options.noise, times, progress.part(0, 0.7));
+    Attempt attempt =
+        attempt_mesh(points, options, options.noise, BallSharing::undisputed, times, progress.part(0, 0.7));
     const int threads = resolve_threads(options.threads);
     bool is_filled = seems_filled(points, attempt, threads);
     if (is_filled && options.noise == 0)
-        if (auto finer =
-                look_for_walls(points, options, attempt.surface.report().noise, times, progress.part(0.7, 0.95)))
+        if (auto finer = look_for_walls(points, options, attempt, times, progress.part(0.7, 0.95)))
         {
             attempt = std::move(*finer);
             is_filled = false;

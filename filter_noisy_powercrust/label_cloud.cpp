@@ -31,8 +31,6 @@ constexpr double clearly_better = 0.5;
 /// Share of points missed above which walls may be lost where faces were completed: what lies beside those that were
 /// not found is not noise either.
 constexpr double missed_beside_flats = 0.015;
-/// How often the noise is halved.
-constexpr int halvings = 3;
 /// Half the noise assumed leaves 0.45 to 0.8 of the points missed where they are missed by mere noise. Walls found
 /// again leave less than a quarter; beside completed faces, where the second share is left, less noise still is not
 /// worth its time.
@@ -395,24 +393,25 @@ private:
     {
         const bool has_flats = best.attempt.completed > 0;
         const double share = has_flats ? found_again_beside_flats : found_again;
-        double noise = best.attempt.cloud.noise, most_missed = best.mismatch.missed_points;
+        const double noise = best.attempt.cloud.noise, missed_before = best.mismatch.missed_points;
         LessNoise last;
-        for (int i = 0; i < halvings && best.has_lids(); ++i)
+        for (int i = 1; i <= halvings && best.has_lids(); ++i)
         {
             last.dropped.reset();
-            noise /= 2;
-            most_missed *= share;
-            Judged finer = judge(prepare_and_label(
-                Denoise::on, noise, progress.part(double(i) / halvings, (i + 1.0) / halvings, "less noise")));
+            Judged finer =
+                judge(prepare_and_label(Denoise::on, std::ldexp(noise, -i),
+                                        progress.part((i - 1.0) / halvings, double(i) / halvings, "less noise")));
             last.violated = finer.attempt.labelled.violated_votes;
             const double missed = finer.mismatch.missed_points;
             const bool is_hollow = finer.mismatch.bare_area <= bare_lid && missed < best.mismatch.missed_points;
             if (has_flats && !is_hollow && missed > hopeless * best.mismatch.missed_points)
                 break;
-            if ((is_hollow || missed < most_missed) && !lays_bare(finer.attempt, best.attempt))
+            if ((is_hollow || missed < std::pow(share, i) * missed_before) && !lays_bare(finer.attempt, best.attempt))
                 best = std::move(finer);
             else
                 last.dropped = std::move(finer.attempt);
+            if (missed > barely_less * missed_before)
+                i = std::max(i, halvings - 1);
         }
         return last;
     }
@@ -461,8 +460,8 @@ private:
         result.noise_taken = noise_ / cloud.frame.scale();
         // A denoised cloud is sampled evenly. The crust of a clean one goes through the samples afterwards, as it must,
         // see share_poles().
-        result.share_balls =
-            result.share_balls && (cloud.denoised || (!cloud.is_noisy && cloud.cleanness > well_sampled));
+        if (cloud.denoised ? is_sharing_disputed_ : cloud.is_noisy || cloud.cleanness <= well_sampled)
+            result.sharing = BallSharing::none;
         return result;
     }
 
@@ -484,7 +483,10 @@ private:
     {
         BallLabellingOptions labelling = options_for(cloud);
         labelling.limit = limit;
-        return label_samples(std::move(cloud), labelling, times_, progress);
+        LabelledCloud found = label_samples(std::move(cloud), labelling, times_, progress);
+        is_sharing_disputed_ |=
+            found.cloud.denoised && labelling.sharing == BallSharing::undisputed && !found.labelled.is_shared;
+        return found;
     }
 
     const Points& points_;
@@ -492,6 +494,7 @@ private:
     const BallLabellingOptions& labelling_;
     PhaseTimes& times_;
     double noise_ = 0; ///< The most that was estimated or given so far; attempts that assume less do not have less.
+    bool is_sharing_disputed_ = false; ///< Of samples of an earlier denoised attempt: those of the next would be, too.
 };
 
 } // namespace

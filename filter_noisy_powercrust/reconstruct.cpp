@@ -69,7 +69,8 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     labelling.ball_threshold = options.ball_threshold;
     labelling.noise = options.noise;
     labelling.deep_intersection = options.deep_intersection;
-    labelling.share_balls = options.simplify && options.ball_threshold == 0;
+    if (options.simplify && options.ball_threshold == 0)
+        labelling.sharing = BallSharing::undisputed;
     labelling.threads = resolve_threads(options.threads);
     LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.75, "crust"));
     const PreparedSamples& cloud = found.cloud;

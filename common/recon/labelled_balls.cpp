@@ -30,7 +30,8 @@ constexpr double certain = 1e3;
 constexpr double island_share = 0.02;
 
 /// Up to this share of violated votes shared balls gave the labels that all balls give. Where more are, walls are thin
-/// or handles small, and every ball counts. Projected samples violate some by what is left of the noise.
+/// or handles small, and every ball counts; but where the outside floods the surface of shared balls, it floods that of
+/// all, too (180 clouds). Projected samples violate some by what is left of the noise.
 constexpr double undisputed_votes = 0.001, undisputed_votes_with_normals = 0.003;
 
 /// Up to this share of violated votes the balls of clean samples that the spacing lets stay are not doubted: clouds of
@@ -391,7 +392,7 @@ Labels find_labels(KeptBalls kept, const Points& samples, const Vectors& normals
             std::move(graph)};
 }
 
-/// With shared balls; none if that contradicts votes.
+/// With shared balls; none if all balls may contradict fewer votes.
 std::optional<Labels> find_shared_labels(const Points& samples, const PolesFound& found, const BallScale& scale,
                                          const Vectors& normals, const BallLabellingOptions& options, PhaseTimes& times,
                                          const Progress& progress)
@@ -401,9 +402,12 @@ std::optional<Labels> find_shared_labels(const Points& samples, const PolesFound
     share_poles(found.delaunay, samples, shared, options.threads);
     Labels result =
         find_labels(keep_balls(samples, found, scale, shared, options), samples, normals, options, times, progress);
-    if (result.balls.violated_votes > (normals.empty() ? undisputed_votes : undisputed_votes_with_normals))
-        return {};
-    return result;
+    const double violated = result.balls.violated_votes,
+                 undisputed = normals.empty() ? undisputed_votes : undisputed_votes_with_normals;
+    result.balls.is_shared = true;
+    if (options.sharing == BallSharing::always || violated <= undisputed || violated > flooded_above)
+        return result;
+    return {};
 }
 
 /// Steps 3 to 5 before repair. Frees `found` where most memory is needed.
@@ -419,7 +423,7 @@ Labels find_best_labels(const Points& samples, PolesFound found, const Vectors& 
     times.begin("polar balls");
     const BallScale scale =
         !oriented && options.limit == BallLimit::local ? choose_local_scale() : choose_fine_scale(found.spacing);
-    if (options.share_balls && options.limit != BallLimit::fine && options.opened.empty())
+    if (options.sharing != BallSharing::none && options.limit != BallLimit::fine && options.opened.empty())
         if (std::optional<Labels> shared =
                 find_shared_labels(samples, found, scale, normals, options, times, progress.part(0, 0.4, "labels")))
             return std::move(*shared);

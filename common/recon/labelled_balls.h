@@ -21,6 +21,14 @@ enum class BallLimit
     fewest_votes ///< Whichever of these two contradicts fewer votes: for clouds that are clean, but perhaps for parts.
 };
 
+/// Whether samples share polar balls, see share_poles(): fewer balls take less time.
+enum class BallSharing
+{
+    none,
+    undisputed, ///< As long as the labels contradict next to none of the samples' votes.
+    always
+};
+
 /// Options of label_polar_balls(). Lengths are in the unit frame.
 struct BallLabellingOptions
 {
@@ -30,8 +38,7 @@ struct BallLabellingOptions
         0; ///< Standard deviation of the noise that samples with normals had [unit length], >= 0. 0 = not known.
     double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
     BallLimit limit = BallLimit::local;
-    /// Samples may share polar balls as long as the labels contradict next to none of their votes, see share_poles().
-    bool share_balls = false;
+    BallSharing sharing = BallSharing::none;
     /// Balls that are outer, as numbered by an earlier run on the same samples with all else equal, in which none were
     /// shared. Normals then decide only where poles are sought, and none are shared.
     std::vector<int> opened;
@@ -54,6 +61,7 @@ struct LabelledBalls
     double violated_votes = 0; ///< Share of the votes' weight that the labels contradict [0..1].
     /// Hidden balls, and for each the visible one that is nearly the same: of a sphere's thousands one is visible.
     std::vector<std::array<int, 2>> twins;
+    bool is_shared = false; ///< Whether samples share balls.
 };
 
 /// Algorithm 4.1 of Mederos et al. (2005), steps 1 to 5, with a local threshold and a global labelling: Delaunay

@@ -43,6 +43,11 @@ inline constexpr double bare_lid = 0.02;
 /// noise are farther apart.
 inline constexpr double least_noise_of_walls = 0.1;
 
+/// How often the noise assumed is halved to find lost walls again. Where half of it leaves more than this share of the
+/// points missed, the rest is sought with the least alone: noise was not what lost them, or not half of it.
+inline constexpr int halvings = 3;
+inline constexpr double barely_less = 0.8;
+
 /// What to tell users where walls seem lost.
 inline constexpr char lost_walls_text[] =
     "Parts of the surface have no points, and others lie beside it as no noise does: walls may have been taken for "

@@ -75,7 +75,7 @@ TEST(IntersectDiscWithPolygon, AgreesWithKnownAreas)
 TEST(LabelPolarBalls, SharesBallsOnlyWhereTheSamplesAgree)
 {
     BallLabellingOptions sharing;
-    sharing.share_balls = true;
+    sharing.sharing = BallSharing::undisputed;
     const auto count_balls =
         [&](const Points& samples, const BallLabellingOptions& options, int genus, const Vectors& normals = {})
     {
@@ -92,6 +92,25 @@ TEST(LabelPolarBalls, SharesBallsOnlyWhereTheSamplesAgree)
     // Box: at its edges the votes are violated.
     const Points box = shapes::box(1500, Vector(0.7, 0.5, 0.4), 1).points;
     EXPECT_EQ(count_balls(box, sharing, 0), count_balls(box, {}, 0));
+    BallLabellingOptions always;
+    always.sharing = BallSharing::always;
+    EXPECT_LT(count_balls(box, always, 0), 0.8 * count_balls(box, {}, 0));
+}
+
+// What the outside floods it floods through all balls as well: these are not tried.
+TEST(LabelPolarBalls, SharesBallsOfFloodedSamples)
+{
+    PhaseTimes times;
+    const Points terrain = shapes::sheet(3000, shapes::wavy_terrain(0.1, 4, 4), 1).points;
+    BallLabellingOptions options;
+    const LabelledBalls all = label_polar_balls(terrain, {}, options, times);
+    options.sharing = BallSharing::undisputed;
+    const LabelledBalls shared = label_polar_balls(terrain, {}, options, times);
+    EXPECT_GT(all.violated_votes, flooded_above);
+    EXPECT_FALSE(all.is_shared);
+    EXPECT_GT(shared.violated_votes, flooded_above);
+    EXPECT_TRUE(shared.is_shared);
+    EXPECT_LT(double(shared.kept.balls.size()), 0.8 * double(all.kept.balls.size()));
 }
 
 TEST(SpareBridges, LeavesOneChainWhereAllOfANeckIsDoubtful)
