@@ -111,6 +111,8 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
                           false, std::move(sampled.claimed)};
     back_lost_sheets(found, normals, surface.report().open, violated_as_exact, labelling, times,
                      progress.part(0.6, 1, "backs of sheets"));
+    if (found.backs == 0)
+        found.normals = std::move(sampled.samples.normals);
     return found;
 }
 

@@ -21,6 +21,7 @@ struct LabelledSamples
     int outliers = 0;              ///< Points left out [count].
     bool is_exact = false;         ///< Whether the samples are the points as they are.
     std::vector<int> claimed = {}; ///< Input points that the surface claims, if not exact.
+    Vectors normals = {};          ///< Of the surface at the samples, if not exact and without backs.
     int backs = 0;                 ///< The last so many samples lie behind sheets that had the outside on both sides.
     double lost_sheets = 0;        ///< Share of samples in such sheets, if they got a back and are no ground [0..1].
     double least_roughness = 0;    ///< Of exact points without a ground, see Cleanness::least_roughness [spacings].

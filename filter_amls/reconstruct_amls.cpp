@@ -6,6 +6,7 @@
 #include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
+#include <recon/lids.h>
 #include <recon/mismatch.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
@@ -57,6 +58,7 @@ struct Attempt
     TriangleMesh mesh = {};
     std::vector<char> is_on_surface = {}; ///< Per vertex.
     DroppedBodies dropped = {};
+    bool is_opened = false; ///< Whether lids were taken off what it had closed.
 };
 
 /// In the frame of its samples.
@@ -84,9 +86,31 @@ bool seems_filled(const Points& points, const Attempt& attempt, int threads)
     return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
 }
 
-double measure_missed_points(const Points& points, const Attempt& attempt, int threads)
+Mismatch measure_mismatch(const Points& points, const Attempt& attempt, int threads)
 {
-    return measure_missed_points(attempt.found.frame.to_unit(points), crust_of(attempt), threads);
+    return measure_mismatch(attempt.found.frame.to_unit(points), crust_of(attempt), threads);
+}
+
+/// The crust of the attempt's labels, on its surface.
+void make_mesh(Attempt& attempt, const AmlsReconstructionOptions& options, PhaseTimes& times, const Progress& progress)
+{
+    const LabelledSamples& found = attempt.found;
+    times.begin("crust");
+    CrustOptions crust;
+    crust.keep_components = options.keep_components;
+    crust.simplify = options.simplify;
+    crust.target_vertices = int(found.samples.size());
+    crust.interpolated = &found.samples;
+    crust.threads = resolve_threads(options.threads);
+    attempt.mesh = make_crust(found.labelled, crust, progress.part(0, 0.5, "crust"), &attempt.dropped);
+    found.frame.from_unit_in_place(attempt.mesh.vertices);
+    attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
+    if (!found.is_exact)
+    {
+        times.begin("smooth");
+        attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
+                                            progress.part(0.5, 1, "projection of the mesh"));
+    }
 }
 
 /// \param noise 0 = estimate.
@@ -105,51 +129,61 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
     LabelledSamples labelled =
         label_points(points, surface, noise == 0, labelling, times, progress.part(0.4, 0.8, "labels"));
     Attempt attempt{std::move(surface), std::move(labelled)};
-    const LabelledSamples& found = attempt.found;
-    times.begin("crust");
-    CrustOptions crust;
-    crust.keep_components = options.keep_components;
-    crust.simplify = options.simplify;
-    crust.target_vertices = int(found.samples.size());
-    crust.interpolated = &found.samples;
-    crust.threads = labelling.threads;
-    attempt.mesh = make_crust(found.labelled, crust, progress.part(0.8, 0.9, "crust"), &attempt.dropped);
-    found.frame.from_unit_in_place(attempt.mesh.vertices);
-    attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
-    if (!found.is_exact)
-    {
-        times.begin("smooth");
-        attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
-                                            progress.part(0.9, 1, "projection of the mesh"));
-    }
+    make_mesh(attempt, options, times, progress.part(0.8, 1));
     return attempt;
 }
 
+/// Opens all lids. \param mismatch of the best
+/// attempt so far. \returns whether that is clearly better.
+bool open_lids(Attempt& attempt, const Points& points, const AmlsReconstructionOptions& options, double mismatch,
+               PhaseTimes& times, const Progress& progress)
+{
+    LabelledSamples& found = attempt.found;
+    const double violated = found.labelled.violated_votes;
+    if (violated <= objecting_votes || found.labelled.is_shared || found.normals.empty())
+        return false;
+    const int threads = resolve_threads(options.threads);
+    std::optional<LabelledBalls> opened =
+        label_with_open_lids(found.samples, found.normals, found.labelled, options_for_labels(threads), times,
+                             progress.part(0, 0.7, "open lids"));
+    if (!opened || opened->violated_votes >= clearly_fewer_votes * violated)
+        return false;
+    found.labelled = std::move(*opened);
+    attempt.is_opened = true;
+    make_mesh(attempt, options, times, progress.part(0.7, 1));
+    return measure_mismatch(points, attempt, threads).sum() < clearly_better * mismatch;
+}
+
 /// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
-/// is one.
+/// is one; else that with an eighth and open lids, if the points object to lids and not to these.
 std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstructionOptions& options,
                                       const Attempt& first, PhaseTimes& times, const Progress& progress)
 {
     const int threads = resolve_threads(options.threads);
-    const double noise = first.surface.report().noise, missed = measure_missed_points(points, first, threads);
+    const double noise = first.surface.report().noise;
+    const Mismatch before = measure_mismatch(points, first, threads);
     // Where samples disputed that they share balls, those of the next attempt would, too.
     const BallSharing sharing = first.found.labelled.is_shared ? BallSharing::undisputed : BallSharing::none;
+    std::optional<Attempt> last;
     for (int i = 1; i <= halvings; ++i)
     {
+        last.reset();
         try
         {
-            Attempt finer = attempt_mesh(points, options, std::ldexp(noise, -i), sharing, times,
-                                         progress.part((i - 1.0) / halvings, double(i) / halvings, "less noise"));
-            if (!has_lids(finer, crust_of(finer), threads))
-                return finer;
-            if (measure_missed_points(points, finer, threads) > barely_less * missed)
-                i = std::max(i, halvings - 1);
+            last = attempt_mesh(points, options, std::ldexp(noise, -i), sharing, times,
+                                progress.part(0.9 * (i - 1) / halvings, 0.9 * i / halvings, "less noise"));
         }
         catch (const AlgorithmFailure&) // nothing is inside
         {
+            continue;
         }
+        if (!has_lids(*last, crust_of(*last), threads))
+            return last;
+        if (measure_mismatch(points, *last, threads).missed_points > barely_less * before.missed_points)
+            i = std::max(i, halvings - 1);
     }
-    return {};
+    return last && open_lids(*last, points, options, before.sum(), times, progress.part(0.9, 1)) ? std::move(last)
+                                                                                                 : std::nullopt;
 }
 
 } // namespace
@@ -181,6 +215,8 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
             result.warnings.push_back(text);
     if (found.lost_sheets > 0)
         result.warnings.push_back(describe_backs(found.lost_sheets));
+    if (attempt.is_opened)
+        result.warnings.push_back(opened_lids_text);
     if (is_filled)
         result.warnings.push_back(
             std::string(lost_walls_text) +

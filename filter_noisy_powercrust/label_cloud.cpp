@@ -3,11 +3,11 @@
 #include "filter_amls/open_sheets.h"
 #include "filter_amls/sample_surface.h"
 #include "filter_amls/thin_walls.h"
-#include "lids.h"
 
 #include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
 #include <recon/level_sheet.h>
+#include <recon/lids.h>
 #include <recon/mismatch.h>
 #include <recon/parallel.h>
 
@@ -26,8 +26,6 @@ namespace
 // more balls fits any points better.
 
 // A denoised cloud: balls by the spacing alone, less noise, then open lids.
-/// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
-constexpr double clearly_better = 0.5;
 /// Share of points missed above which walls may be lost where faces were completed: what lies beside those that were
 /// not found is not noise either.
 constexpr double missed_beside_flats = 0.015;
@@ -40,11 +38,6 @@ constexpr double found_again_beside_flats = 0.35;
 /// Less noise may lack so many times what completed faces leave bare or missed: 1.2 to 2.2 times where walls were found
 /// again, seven and more where it merely lost the faces.
 constexpr double laid_bare = 3;
-/// Share of violated votes above which the walls of what is filled, seen with less noise, object to that.
-constexpr double objecting_votes = 0.02;
-/// Share of them that open lids may leave: 0.07 to 0.55 where they closed cups, 0.98 where they were taken off mere
-/// noise.
-constexpr double clearly_fewer = 0.65;
 
 // Sheets that have the outside on both sides: backs behind them.
 /// Handles per sample above which lost sheets are lace, and share of them that backs may leave, or no more of them but
@@ -432,21 +425,22 @@ private:
                             labelling_.threads);
     }
 
-    /// A cloud with all lids open: where the points object to what is filled, the mouth of a cup is open, though no
-    /// sample is there to say so.
+    /// A cloud with all lids open.
     void try_open_lids(Judged& best, LabelledCloud open, const Progress& progress)
     {
         const double violated = open.labelled.violated_votes;
-        BallLabellingOptions labelling = options_for(open.cloud);
-        labelling.opened = list_balls_under_lids(open.cloud.samples, open.labelled);
-        if (open.completed > 0 || labelling.opened.empty())
+        if (open.completed > 0)
             return;
-        open.labelled = label_polar_balls(open.cloud.samples, open.cloud.normals, labelling, times_, progress);
+        std::optional<LabelledBalls> labelled = label_with_open_lids(
+            open.cloud.samples, open.cloud.normals, open.labelled, options_for(open.cloud), times_, progress);
+        if (!labelled)
+            return;
+        open.labelled = std::move(*labelled);
         open.polygons.reset();
         turn_normals(open);
         open.opened = true;
         Judged opened = judge(std::move(open));
-        if (opened.attempt.labelled.violated_votes < clearly_fewer * violated &&
+        if (opened.attempt.labelled.violated_votes < clearly_fewer_votes * violated &&
             opened.mismatch.sum() < clearly_better * best.mismatch.sum())
             best = std::move(opened);
     }

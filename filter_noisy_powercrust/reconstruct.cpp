@@ -7,6 +7,7 @@
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
+#include <recon/lids.h>
 #include <recon/mismatch.h>
 #include <recon/nearest_samples.h>
 #include <recon/parallel.h>
@@ -41,9 +42,7 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
         result.warnings.push_back(std::string(lost_walls_text) +
                                   " Set noise to what the scanner has, or scan more densely.");
     if (found.opened)
-        result.warnings.push_back("Walls are hardly thicker than the noise or the spacing. What they hold was left "
-                                  "hollow, since the points object to filling it; the walls may have holes. Scan them "
-                                  "more densely.");
+        result.warnings.push_back(opened_lids_text);
     if (const std::string text = describe_lost_sheets(found.lost_sheets, found.backs, denoise, points); !text.empty())
         result.warnings.push_back(text);
     if (const std::string text = describe(dropped); !text.empty())

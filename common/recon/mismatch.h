@@ -47,6 +47,8 @@ inline constexpr double least_noise_of_walls = 0.1;
 /// points missed, the rest is sought with the least alone: noise was not what lost them, or not half of it.
 inline constexpr int halvings = 3;
 inline constexpr double barely_less = 0.8;
+/// Share of the mismatch that balls by the spacing alone, or open lids, may leave.
+inline constexpr double clearly_better = 0.5;
 
 /// What to tell users where walls seem lost.
 inline constexpr char lost_walls_text[] =

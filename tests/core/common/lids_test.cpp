@@ -1,4 +1,4 @@
-#include "filter_noisy_powercrust/lids.h"
+#include <recon/lids.h>
 
 #include "tests/checks.h"
 #include "tests/shapes.h"

@@ -1,4 +1,4 @@
-#include "lids.h"
+#include <recon/lids.h>
 
 #include <recon/neighbours.h>
 
@@ -61,6 +61,16 @@ std::vector<int> list_balls_under_lids(const Points& samples, const LabelledBall
         face = end;
     }
     return result;
+}
+
+std::optional<LabelledBalls> label_with_open_lids(const Points& samples, const Vectors& normals,
+                                                  const LabelledBalls& labelled, BallLabellingOptions options,
+                                                  PhaseTimes& times, const Progress& progress)
+{
+    options.opened = list_balls_under_lids(samples, labelled);
+    if (options.opened.empty())
+        return {};
+    return label_polar_balls(samples, normals, options, times, progress);
 }
 
 } // namespace recon

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <recon/geometry.h>
+#include <recon/labelled_balls.h>
+
+#include <optional>
+#include <vector>
+
+namespace recon
+{
+
+/// Share of violated votes above which the walls of what is filled, seen with less noise, object to that: the mouth of
+/// a cup may be open, though no sample is there to say so.
+inline constexpr double objecting_votes = 0.02;
+/// Share of them that open lids may leave: 0.07 to 0.55 where they closed cups, 0.98 where they were taken off mere
+/// noise.
+inline constexpr double clearly_fewer_votes = 0.65;
+
+/// What to tell users then.
+inline constexpr char opened_lids_text[] = "Walls are hardly thicker than the noise or the spacing. What they hold was "
+                                           "left hollow, since the points object to "
+                                           "filling it; the walls may have holes. Scan them more densely.";
+
+/// Large inner balls that end at a lid: a face of the crust with no sample near, as over the mouth of a filled cup.
+/// \param samples those that `labelled` was made of. \returns their numbers, ascending.
+std::vector<int> list_balls_under_lids(const Points& samples, const LabelledBalls& labelled);
+
+/// Labels with all lids open; none if there are none. \param samples, normals, options what `labelled` was made of, in
+/// which no balls were shared. \throws Cancelled.
+std::optional<LabelledBalls> label_with_open_lids(const Points& samples, const Vectors& normals,
+                                                  const LabelledBalls& labelled, BallLabellingOptions options,
+                                                  PhaseTimes& times, const Progress& progress = {});
+
+} // namespace recon
