@@ -6,7 +6,6 @@
 #include <recon/triangulation.h>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 namespace recon

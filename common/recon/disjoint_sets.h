@@ -15,14 +15,6 @@ class DisjointSets
 public:
     explicit DisjointSets(std::size_t size = 0) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
 
-    /// Appends a set of one. \returns its member.
-    int add()
-    {
-        parent_.push_back(int(parent_.size()));
-        return parent_.back();
-    }
-    void clear() { parent_.clear(); }
-
     /// Representative of the set of `i`.
     int find(int i)
     {

@@ -31,7 +31,7 @@ constexpr double island_share = 0.02;
 
 /// Up to this share of violated votes shared balls gave the labels that all balls give. Where more are, walls are thin
 /// or handles small, and every ball counts; but where the outside floods the surface of shared balls, it floods that of
-/// all, too (180 clouds). Projected samples violate some by what is left of the noise.
+/// all, too (174 clouds). Projected samples violate some by what is left of the noise.
 constexpr double undisputed_votes = 0.001, undisputed_votes_with_normals = 0.003;
 
 /// Up to this share of violated votes the balls of clean samples that the spacing lets stay are not doubted: clouds of
