@@ -177,9 +177,11 @@ std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstruc
         {
             continue;
         }
-        if (!has_lids(*last, crust_of(*last), threads))
+        const TriangleMesh crust = crust_of(*last);
+        if (!has_lids(*last, crust, threads))
             return last;
-        if (measure_mismatch(points, *last, threads).missed_points > barely_less * before.missed_points)
+        if (measure_missed_points(last->found.frame.to_unit(points), crust, threads) >
+            barely_less * before.missed_points)
             i = std::max(i, halvings - 1);
     }
     return last && open_lids(*last, points, options, before.sum(), times, progress.part(0.9, 1)) ? std::move(last)

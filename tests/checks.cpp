@@ -193,4 +193,10 @@ double share_faced_one_way(const recon::TriangleMesh& mesh, recon::OrientedSampl
     return std::max(faced, share_faced(mesh, samples, reach));
 }
 
+bool says(const std::vector<std::string>& warnings, const std::string& words)
+{
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [&](const std::string& text) { return text.find(words) != std::string::npos; });
+}
+
 } // namespace checks

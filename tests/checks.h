@@ -3,6 +3,7 @@
 #include <recon/geometry.h>
 
 #include <string>
+#include <vector>
 
 namespace checks
 {
@@ -48,5 +49,8 @@ double share_facing(const recon::Vectors& normals, const recon::Vectors& truth);
 double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples& samples, double reach);
 /// The same of an open sheet, which may face either way as a whole.
 double share_faced_one_way(const recon::TriangleMesh& mesh, recon::OrientedSamples samples, double reach);
+
+/// Whether one of the texts has these words.
+bool says(const std::vector<std::string>& warnings, const std::string& words);
 
 } // namespace checks

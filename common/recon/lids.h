@@ -17,9 +17,9 @@ inline constexpr double objecting_votes = 0.02;
 inline constexpr double clearly_fewer_votes = 0.65;
 
 /// What to tell users then.
-inline constexpr char opened_lids_text[] = "Walls are hardly thicker than the noise or the spacing. What they hold was "
-                                           "left hollow, since the points object to "
-                                           "filling it; the walls may have holes. Scan them more densely.";
+inline constexpr char opened_lids_text[] =
+    "Walls are hardly thicker than the noise or the spacing. What they hold was left hollow, since the points object "
+    "to filling it; the walls may have holes. Scan them more densely.";
 
 /// Large inner balls that end at a lid: a face of the crust with no sample near, as over the mouth of a filled cup.
 /// \param samples those that `labelled` was made of. \returns their numbers, ascending.

@@ -313,10 +313,8 @@ TEST(ReconstructAmls, OpensLidsOfCupsThatAreFilledAtAnyNoise)
         const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(cup.points, 0.3, seed));
         const checks::MeshReport report = checks::examine_mesh(result.mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-        const bool says_so =
-            std::any_of(result.warnings.begin(), result.warnings.end(),
-                        [](const std::string& text) { return text.find("left hollow") != std::string::npos; });
-        opened += says_so && report.volume > 0.6 * cup.volume && report.volume < 1.1 * cup.volume;
+        opened += checks::says(result.warnings, "left hollow") && report.volume > 0.6 * cup.volume &&
+                  report.volume < 1.1 * cup.volume;
     }
     EXPECT_GE(opened, 4) << "of 6"; // 5; one is found with less noise
 }
@@ -324,11 +322,7 @@ TEST(ReconstructAmls, OpensLidsOfCupsThatAreFilledAtAnyNoise)
 TEST(ReconstructAmls, SaysThatWallsSeemFilledButNotOfAnOpenScan)
 {
     const auto says_so = [](const Points& points)
-    {
-        const AmlsReconstruction result = reconstruct_amls(points);
-        return std::any_of(result.warnings.begin(), result.warnings.end(),
-                           [](const std::string& text) { return text.find("taken for noise") != std::string::npos; });
-    };
+    { return checks::says(reconstruct_amls(points).warnings, "taken for noise"); };
     EXPECT_TRUE(says_so(shapes::with_noise(shapes::Cup(0.8).points, 0.2, 4))); // 3.5 times its volume
     EXPECT_FALSE(says_so(shapes::with_noise(shapes::Cup(2.5).points, 0.4, 4)));
     Points half;
@@ -348,9 +342,7 @@ TEST(ReconstructAmls, SaysThatThePointsContradictTheSurface)
     const auto says_so = [](const Points& points)
     {
         const AmlsReconstruction result = reconstruct_amls(points);
-        const bool found = std::any_of(result.warnings.begin(), result.warnings.end(),
-                                       [](const std::string& text)
-                                       { return text.find("contradict the surface") != std::string::npos; });
+        const bool found = checks::says(result.warnings, "contradict the surface");
         EXPECT_EQ(found, result.violated_votes > 0.05) << result.violated_votes;
         return found;
     };

@@ -24,8 +24,7 @@ constexpr double pi = 3.14159265358979323846;
 
 bool says(const NoisyPowerCrust& crust, const std::string& words)
 {
-    return std::any_of(crust.warnings.begin(), crust.warnings.end(),
-                       [&](const std::string& text) { return text.find(words) != std::string::npos; });
+    return checks::says(crust.warnings, words);
 }
 
 NoisyPowerCrust reconstruct_opened(const Points& points)

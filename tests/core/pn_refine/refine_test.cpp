@@ -2,6 +2,7 @@
 
 #include "filter_pn_refine/refine.h"
 
+#include "tests/checks.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
@@ -394,11 +395,7 @@ TEST(RefinePoints, ProgressRisesToTheEndAndCancels)
 TEST(RefinePoints, WarnsOfNormalsThatContradictThePoints)
 {
     const auto is_warned = [](const OrientedSamples& samples)
-    {
-        const std::vector<std::string> warnings = refine_points(samples, one_thread(0)).warnings;
-        return std::any_of(warnings.begin(), warnings.end(),
-                           [](const std::string& w) { return w.find("contradict the points") != w.npos; });
-    };
+    { return checks::says(refine_points(samples, one_thread(0)).warnings, "contradict the points"); };
     OrientedSamples box = shapes::box(3000, Vector(2, 2, 2), 5);
     EXPECT_FALSE(is_warned(box));
     EXPECT_FALSE(is_warned(shapes::torus(500, 1, 0.3, 1)));
