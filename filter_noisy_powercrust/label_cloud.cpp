@@ -75,7 +75,8 @@ public:
         SamplePreparationOptions options = options_;
         options.denoise = denoise;
         options.noise = noise;
-        PreparedSamples cloud = prepare_samples(points_, options, times_, progress.part(0, 0.35, "preparation"));
+        PreparedSamples cloud =
+            prepare_samples(points_, options, latest_, times_, progress.part(0, 0.35, "preparation"));
         noise_ = std::max(noise_, cloud.noise);
         const BallLimit limit = limit_for(cloud);
         return label(std::move(cloud), limit, progress.part(0.35, 1, "labels"));
@@ -290,8 +291,8 @@ private:
     {
         times_.begin("AMLS");
         Points sorted = points_at(cloud.order, points_);
-        AmlsSurface amls = build_amls_surface(sorted, surface_options_for(options_), progress);
-        return {std::move(sorted), std::move(amls)};
+        const AmlsSurface& amls = latest_.find(sorted, options_, progress);
+        return {std::move(sorted), amls};
     }
 
     Vectors list_clean_normals(const PreparedSamples& cloud, const Progress& progress)
@@ -487,6 +488,7 @@ private:
     const SamplePreparationOptions& options_;
     const BallLabellingOptions& labelling_;
     PhaseTimes& times_;
+    LatestSurface latest_;
     double noise_ = 0; ///< The most that was estimated or given so far; attempts that assume less do not have less.
     bool is_sharing_disputed_ = false; ///< Of samples of an earlier denoised attempt: those of the next would be, too.
 };

@@ -2,6 +2,7 @@
 
 #include "filter_amls/isolated_points.h"
 #include "filter_amls/sample_surface.h"
+#include "filter_amls/surface_data.h"
 
 #include <recon/cleanness.h>
 #include <recon/parallel.h>
@@ -39,17 +40,24 @@ void PreparedSamples::leave_out(const std::vector<int>& ones, const Points& poin
     choose_frame(points_at(order, points), points);
 }
 
-AmlsOptions surface_options_for(const SamplePreparationOptions& options)
+const AmlsSurface& LatestSurface::find(const Points& sorted, const SamplePreparationOptions& options,
+                                       const Progress& progress)
 {
-    AmlsOptions result;
-    result.noise = options.noise;
-    result.threads = options.threads;
-    result.terrain_faces_up = false;
-    return result;
+    if (!surface_ || noise_ != options.noise || !surface_->data().was_made_of(sorted))
+    {
+        surface_.reset(); // two at a time are too many
+        AmlsOptions made;
+        made.noise = options.noise;
+        made.threads = options.threads;
+        made.terrain_faces_up = false;
+        surface_ = build_amls_surface(sorted, made, progress);
+        noise_ = options.noise;
+    }
+    return *surface_;
 }
 
-PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
-                                const Progress& progress)
+PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, LatestSurface& latest,
+                                PhaseTimes& times, const Progress& progress)
 {
     times.begin("gate");
     check_spans_volume(points);
@@ -98,8 +106,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     if (result.denoised || (options.needs_surface && result.is_noisy))
     {
         times.begin("AMLS");
-        result.surface =
-            build_amls_surface(sorted, surface_options_for(options), progress.part(0.1, 0.7, "AMLS surface"));
+        result.surface = latest.find(sorted, options, progress.part(0.1, 0.7, "AMLS surface"));
         result.noise = result.surface->report().noise;
     }
     if (result.denoised)

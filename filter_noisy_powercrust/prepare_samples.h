@@ -29,8 +29,17 @@ struct SamplePreparationOptions
     int threads = 0;              ///< 0 = all cores.
 };
 
-/// Of the AMLS surface that a crust's samples or normals are taken from.
-AmlsOptions surface_options_for(const SamplePreparationOptions& options);
+/// The AMLS surface that was asked for last: attempts at one cloud ask for the same one up to four times.
+class LatestSurface
+{
+public:
+    /// \param sorted distinct points in spatial order. \throws as build_amls_surface() does.
+    const AmlsSurface& find(const Points& sorted, const SamplePreparationOptions& options, const Progress& progress);
+
+private:
+    std::optional<AmlsSurface> surface_;
+    double noise_ = 0; ///< That it was told.
+};
 
 /// A cloud made ready for label_polar_balls().
 struct PreparedSamples
@@ -60,8 +69,9 @@ struct PreparedSamples
 };
 
 /// Sorts the points, tells whether they are noisy, and if so projects them onto their AMLS surface and thins them.
-/// \throws InvalidInput for points that do not span a volume or are not finite. \throws Cancelled.
-PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, PhaseTimes& times,
-                                const Progress& progress = {});
+/// \param latest of the points. \throws InvalidInput for points that do not span a volume or are not finite.
+/// \throws Cancelled.
+PreparedSamples prepare_samples(const Points& points, const SamplePreparationOptions& options, LatestSurface& latest,
+                                PhaseTimes& times, const Progress& progress = {});
 
 } // namespace recon

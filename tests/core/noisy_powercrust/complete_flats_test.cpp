@@ -216,9 +216,10 @@ TEST(CompleteFlats, DiscThatMeetsNoOtherFaceStaysOpen)
 TEST(CompleteFlats, PointsAsTheyAreStayAsTheyAre)
 {
     SamplePreparationOptions options;
+    LatestSurface latest;
     PhaseTimes times;
-    EXPECT_GT(prepare_samples(flange(), options, times).completion.points.size(), 0u);
+    EXPECT_GT(prepare_samples(flange(), options, latest, times).completion.points.size(), 0u);
     options.denoise = Denoise::off;
-    EXPECT_TRUE(prepare_samples(flange(), options, times).completion.points.empty());
-    EXPECT_EQ(prepare_samples(flange(), options, times).samples.size(), flange().size());
+    EXPECT_TRUE(prepare_samples(flange(), options, latest, times).completion.points.empty());
+    EXPECT_EQ(prepare_samples(flange(), options, latest, times).samples.size(), flange().size());
 }

@@ -41,7 +41,8 @@ PreparedSamples prepare(const Points& points, int threads = 1)
     SamplePreparationOptions options;
     options.threads = threads;
     PhaseTimes times;
-    return prepare_samples(points, options, times);
+    LatestSurface latest;
+    return prepare_samples(points, options, latest, times);
 }
 
 /// In input units. \param share of the noise that is assumed.

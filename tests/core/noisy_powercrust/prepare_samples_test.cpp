@@ -14,7 +14,8 @@ namespace
 PreparedSamples prepare(const Points& points)
 {
     PhaseTimes times;
-    return prepare_samples(points, {}, times);
+    LatestSurface latest;
+    return prepare_samples(points, {}, latest, times);
 }
 
 } // namespace
@@ -70,7 +71,21 @@ TEST(PrepareSamples, OutliersOfACleanCloudAreLeftOut)
     EXPECT_EQ(cloud.order, alone.order) << "as if they had never been";
     EXPECT_EQ(cloud.samples, alone.samples);
     PhaseTimes times;
-    EXPECT_EQ(prepare_samples(points, {Denoise::off}, times).isolated, 0) << "as the paper has it";
+    LatestSurface latest;
+    EXPECT_EQ(prepare_samples(points, {Denoise::off}, latest, times).isolated, 0) << "as the paper has it";
+}
+
+TEST(PrepareSamples, AttemptsAtACloudShareItsSurface)
+{
+    const Points torus = shapes::torus(2000, 1, 0.3, 3).points, other = shapes::torus(2000, 1, 0.3, 4).points;
+    LatestSurface latest;
+    PhaseTimes times;
+    const auto surface_of = [&](const Points& points, double noise)
+    { return *prepare_samples(points, {Denoise::on, noise}, latest, times).surface; };
+    const AmlsSurface first = surface_of(torus, 0);
+    EXPECT_EQ(&surface_of(torus, 0).data(), &first.data());
+    EXPECT_NE(&surface_of(torus, 0.01).data(), &first.data());
+    EXPECT_NE(&surface_of(other, 0).data(), &first.data());
 }
 
 TEST(PrepareSamples, LoneVerticesOfACoarseMeshAreNoOutliers)
