@@ -181,7 +181,10 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
         if (auto scene = label_exact_scene(frame, distinct, list_normals(progress.part(0, 0.1)), isolated, labelling,
                                            times, progress.part(0.1, 1)))
             return scene;
-    LabelledBalls labelled = label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
+    const CrustOfPoints::Made* made = isolated == 0 ? surface.data().crust->made() : nullptr;
+    LabelledBalls labelled =
+        made ? made->labelled
+             : label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
     LabelledSamples found{frame, std::move(distinct), std::move(labelled), isolated, true};
     if (report.open && may_lack_sheets(found.samples, found.labelled, labelling.threads))
         if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 1)))

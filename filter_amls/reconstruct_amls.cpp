@@ -113,9 +113,9 @@ void make_mesh(Attempt& attempt, const AmlsReconstructionOptions& options, Phase
     }
 }
 
-/// \param noise 0 = estimate.
+/// \param noise 0 = estimate. \param earlier of an earlier attempt, if there was one.
 Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise, BallSharing sharing,
-                     PhaseTimes& times, const Progress& progress)
+                     const AmlsSurface* earlier, PhaseTimes& times, const Progress& progress)
 {
     times.begin("surface");
     AmlsOptions surface_options;
@@ -123,7 +123,8 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
     surface_options.noise = noise;
     surface_options.threads = options.threads;
     surface_options.terrain_faces_up = false; // see there
-    AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"));
+    AmlsSurface surface =
+        build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"), {}, earlier);
     BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));
     labelling.sharing = sharing;
     LabelledSamples labelled =
@@ -170,7 +171,7 @@ std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstruc
         last.reset();
         try
         {
-            last = attempt_mesh(points, options, std::ldexp(noise, -i), sharing, times,
+            last = attempt_mesh(points, options, std::ldexp(noise, -i), sharing, &first.surface, times,
                                 progress.part(0.9 * (i - 1) / halvings, 0.9 * i / halvings, "less noise"));
         }
         catch (const AlgorithmFailure&) // nothing is inside
@@ -196,7 +197,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     AmlsReconstruction result;
     PhaseTimes times;
     Attempt attempt =
-        attempt_mesh(points, options, options.noise, BallSharing::undisputed, times, progress.part(0, 0.7));
+        attempt_mesh(points, options, options.noise, BallSharing::undisputed, nullptr, times, progress.part(0, 0.7));
     const int threads = resolve_threads(options.threads);
     bool is_filled = seems_filled(points, attempt, threads);
     if (is_filled && options.noise == 0)

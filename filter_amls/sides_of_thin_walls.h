@@ -1,5 +1,7 @@
 #pragma once
 
+#include "crust_of_points.h"
+
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -14,9 +16,9 @@ namespace recon
 /// points are too noisy for such a crust, where it contradicts them or has filled the walls, or where both tell the
 /// same but for a few points; of points that read as an open sheet also where it has lids. \param points distinct, in
 /// the unit frame and spatial order. \param cell_normals, cell_of_point of the cells. \param contradicted, open see
-/// Orientation. \throws Cancelled.
+/// Orientation. \param of_points is asked where it is needed. \throws Cancelled.
 std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& cell_normals,
                                                 const std::vector<int>& cell_of_point, double contradicted, bool open,
-                                                int threads, const Progress& progress = {});
+                                                CrustOfPoints& of_points, int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -152,9 +152,9 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         return orientation;
     }
     orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
-    if (const auto better =
-            find_sides_of_thin_walls(data.points, normals.normals, data.cells.cell_of_point, orientation.contradicted,
-                                     orientation.open, threads, progress.part(0.5, 1, "Sides of thin walls")))
+    if (const auto better = find_sides_of_thin_walls(data.points, normals.normals, data.cells.cell_of_point,
+                                                     orientation.contradicted, orientation.open, *data.crust, threads,
+                                                     progress.part(0.5, 1, "Sides of thin walls")))
     {
         orient_by_given(data.cells, *better, normals.normals);
         orientation.open = false;
@@ -256,7 +256,7 @@ OrientedSamples AmlsSurface::anchors() const
 }
 
 AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options, const Progress& progress,
-                               const Vectors& given_normals)
+                               const Vectors& given_normals, const AmlsSurface* earlier)
 {
     check_options(points, options, given_normals);
     const int threads = resolve_threads(options.threads);
@@ -269,6 +269,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     for (int i : data->spatial.order)
         data->points.push_back(frame.to_unit(points[i]));
     data->point_search = BlockSearch(data->points);
+    data->crust =
+        earlier && earlier->data().points == data->points ? earlier->data().crust : std::make_shared<CrustOfPoints>();
     SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), threads,
                                          times, progress.part(0, 0.35));
     const NoiseEstimate noise = std::move(made.noise);

@@ -58,9 +58,10 @@ private:
 /// Builds the surface from points alone (after Dey and Sun 2005; widths by local risk, cells, anchors). Equal points
 /// count once. Does not depend on the order of the points. `normals`, if not empty, one per point and of any length,
 /// decide the sides instead of the Delaunay balls; zero vectors among them have no say.
-/// \throws InvalidInput for points that do not span a volume or are not finite, normals of a different number, or an
-/// option out of range. \throws Cancelled.
+/// \param earlier a surface of the same points, perhaps of other options: what does not depend on these is not made
+/// again. \throws InvalidInput for points that do not span a volume or are not finite, normals of a different number,
+/// or an option out of range. \throws Cancelled.
 AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options = {}, const Progress& progress = {},
-                               const Vectors& normals = {});
+                               const Vectors& normals = {}, const AmlsSurface* earlier = nullptr);
 
 } // namespace recon

@@ -1,12 +1,15 @@
 #pragma once
 
 #include "cells.h"
+#include "crust_of_points.h"
 #include "fit.h"
 #include "residual_field.h"
 #include "surface.h"
 
 #include <recon/block_search.h>
 #include <recon/spatial_order.h>
+
+#include <memory>
 
 namespace recon
 {
@@ -33,6 +36,7 @@ struct AmlsSurface::Data
     BlockSearch pole_search;
     std::vector<ResidualField> residuals; ///< One after the other; none if they tell nothing.
     AmlsProjection projected;             ///< The points, by default options; empty if residuals were not asked.
+    std::shared_ptr<CrustOfPoints> crust; ///< Of `points`.
     AmlsSurfaceReport report;
 
     /// Whether these are the points of which the surface was made, in the same order.

@@ -45,12 +45,11 @@ const AmlsSurface& LatestSurface::find(const Points& sorted, const SamplePrepara
 {
     if (!surface_ || noise_ != options.noise || !surface_->data().was_made_of(sorted))
     {
-        surface_.reset(); // two at a time are too many
         AmlsOptions made;
         made.noise = options.noise;
         made.threads = options.threads;
         made.terrain_faces_up = false;
-        surface_ = build_amls_surface(sorted, made, progress);
+        surface_ = build_amls_surface(sorted, made, progress, {}, surface_ ? &*surface_ : nullptr);
         noise_ = options.noise;
     }
     return *surface_;

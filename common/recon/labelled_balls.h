@@ -39,6 +39,9 @@ struct BallLabellingOptions
     double deep_intersection = 0; ///< Cosine above which neighbours agree, 0..1. 0 = weigh in samples.
     BallLimit limit = BallLimit::local;
     BallSharing sharing = BallSharing::none;
+    /// Share of violated votes above which the labels are of no use: they are not repaired, nor is another attempt made
+    /// where a first one is far above it [0..1].
+    double most_violated = 1;
     /// Balls that are outer, as numbered by an earlier run on the same samples with all else equal, in which none were
     /// shared. Normals then decide only where poles are sought, and none are shared.
     std::vector<int> opened;

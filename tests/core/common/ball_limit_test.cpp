@@ -86,3 +86,22 @@ TEST(BallLimit, AThresholdLeavesNoChoice)
     };
     EXPECT_EQ(count(BallLimit::fewest_votes), count(BallLimit::local));
 }
+
+TEST(BallLimit, LabelsOfNoUseAreNotRepaired)
+{
+    const Points torus = shapes::torus(4000, 1, 0.3, 3).points;
+    const Points noisy = shapes::with_noise(torus, 0.3 * std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / 4000), 5);
+    const Points samples = UnitFrame(noisy).to_unit(points_at(order_input(noisy).order, noisy));
+    const auto label = [&](double most_violated)
+    {
+        BallLabellingOptions options;
+        options.most_violated = most_violated;
+        PhaseTimes times;
+        return label_polar_balls(samples, {}, options, times);
+    };
+    const LabelledBalls repaired = label(1), useless = label(1e-9);
+    EXPECT_GT(repaired.violated_votes, 1e-9);
+    EXPECT_EQ(repaired.violated_votes, useless.violated_votes);
+    EXPECT_LT(repaired.regular.finite_cells, useless.regular.finite_cells) << "doubtful balls were taken out";
+    EXPECT_EQ(label(repaired.violated_votes).labels, repaired.labels);
+}

@@ -80,8 +80,9 @@ TEST(PrepareSamples, AttemptsAtACloudShareItsSurface)
     const Points torus = shapes::torus(2000, 1, 0.3, 3).points, other = shapes::torus(2000, 1, 0.3, 4).points;
     LatestSurface latest;
     PhaseTimes times;
-    const auto surface_of = [&](const Points& points, double noise)
-    { return *prepare_samples(points, {Denoise::on, noise}, latest, times).surface; };
+    const auto surface_of = [&](const Points& points, double noise) {
+        return *prepare_samples(points, {Denoise::on, noise}, latest, times).surface;
+    };
     const AmlsSurface first = surface_of(torus, 0);
     EXPECT_EQ(&surface_of(torus, 0).data(), &first.data());
     EXPECT_NE(&surface_of(torus, 0.01).data(), &first.data());

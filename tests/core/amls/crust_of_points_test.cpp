@@ -1,0 +1,87 @@
+#include "filter_amls/crust_of_points.h"
+#include "filter_amls/label_points.h"
+#include "filter_amls/surface_data.h"
+
+#include <recon/errors.h>
+#include <recon/spatial_order.h>
+
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+using namespace recon;
+
+namespace
+{
+
+/// With walls of 1.3 spacings, whose sides only the crust knows.
+Points thin_tube(std::uint64_t seed)
+{
+    return shapes::tube(4000, 1, 1.3 * 0.095, 1.5, seed).points;
+}
+
+/// Small discs anywhere in a cube.
+Points leaves(int count, int points_each)
+{
+    const Points centres = shapes::scattered(count, {1, 1, 1}, 5);
+    const Points axes = shapes::scattered(2 * count, {1, 1, 1}, 6);
+    const Points within = shapes::scattered(count * points_each, {1, 1, 1}, 7);
+    Points result;
+    for (std::size_t i = 0; i < within.size(); ++i)
+    {
+        const std::size_t leaf = i / std::size_t(points_each);
+        const Vector &u = axes[2 * leaf], &v = axes[2 * leaf + 1];
+        result.push_back(centres[leaf] + 0.1 * (within[i].x() * u.normalized() + within[i].y() * v.normalized()));
+    }
+    return result;
+}
+
+Points in_unit_frame(const Points& points)
+{
+    return UnitFrame(points).to_unit(points_at(order_input(points).order, points));
+}
+
+} // namespace
+
+TEST(CrustOfPoints, SurfacesOfTheSamePointsShareIt)
+{
+    const Points tube = thin_tube(3);
+    const AmlsSurface first = build_amls_surface(tube);
+    ASSERT_TRUE(first.data().crust->made());
+    AmlsOptions less_noise;
+    less_noise.noise = first.report().noise / 2;
+    EXPECT_EQ(build_amls_surface(tube, less_noise, {}, {}, &first).data().crust, first.data().crust);
+    EXPECT_NE(build_amls_surface(thin_tube(4), {}, {}, {}, &first).data().crust, first.data().crust);
+}
+
+TEST(CrustOfPoints, LabelsOfExactPointsAreThoseThatItWasMadeOf)
+{
+    const Points tube = thin_tube(3);
+    const AmlsSurface surface = build_amls_surface(tube);
+    ASSERT_TRUE(surface.data().crust->made());
+    PhaseTimes times;
+    const auto label = [&] { return label_only_exact_points(tube, surface, options_for_labels(1), times, {}); };
+    const auto found = label();
+    *surface.data().crust = {};
+    const auto anew = label();
+    ASSERT_TRUE(found && anew);
+    EXPECT_EQ(found->labelled.labels, anew->labelled.labels);
+    EXPECT_EQ(found->labelled.violated_votes, anew->labelled.violated_votes);
+    EXPECT_EQ(found->samples, anew->samples);
+}
+
+TEST(CrustOfPoints, NoisyPointsHaveNone)
+{
+    const Points torus = in_unit_frame(shapes::with_noise(shapes::torus(4000, 1, 0.3, 3).points, 0.1, 5));
+    EXPECT_FALSE(CrustOfPoints().find(torus, 1));
+}
+
+TEST(CrustOfPoints, ACrustThatContradictsThePointsIsNoneAndIsNotMadeAgain)
+{
+    const Points foliage = in_unit_frame(leaves(150, 40));
+    CrustOfPoints crust;
+    EXPECT_FALSE(crust.find(foliage, 1));
+    const Progress refused([](double, const std::string&) { return false; });
+    EXPECT_NO_THROW(crust.find(foliage, 1, refused));
+    EXPECT_THROW(CrustOfPoints().find(foliage, 1, refused), Cancelled) << "flat enough to be tried";
+}
