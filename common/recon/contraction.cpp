@@ -147,11 +147,17 @@ std::vector<Side> contract(const SignedGraph& graph, ParityForest forest, int ro
         neighbours[b].push_back(a);
         initial.push_back({std::abs(sum), a, b});
     }
-    std::priority_queue<Candidate> queue(std::less<Candidate>(), std::move(initial));
-    while (!queue.empty())
+    // Those to begin with, sorted once, take less time than in the queue, which holds what changed since.
+    std::sort(initial.begin(), initial.end());
+    std::priority_queue<Candidate> queue;
+    while (!queue.empty() || !initial.empty())
     {
-        const Candidate top = queue.top();
-        queue.pop();
+        const bool is_unchanged = queue.empty() || (!initial.empty() && queue.top() < initial.back());
+        const Candidate top = is_unchanged ? initial.back() : queue.top();
+        if (is_unchanged)
+            initial.pop_back();
+        else
+            queue.pop();
         const double* weight = weights.find(top.a, top.b);
         if (!weight || std::abs(*weight) != top.strength || top.strength == 0)
             continue;
