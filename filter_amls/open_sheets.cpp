@@ -130,8 +130,9 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
     LostSheets open{mark_open(lidded.crust, samples, lidded.spacing, options.threads)};
     open.share = std::accumulate(open.around.begin(), open.around.end(), 0.0) / double(samples.size());
     Slab best = make_slab(samples, normals, open, usual_thickness, options, times, progress.part(0, 0.6));
-    // Gaps between random samples can be tunnels through it, but hardly through both.
-    if (best.found.handles > 0)
+    // Gaps between random samples can be tunnels through it, but hardly through both. What lacks parts, as foliage, has
+    // dozens through either.
+    if (best.found.handles > 0 && best.found.is_whole())
         if (Slab other = make_slab(samples, normals, open, other_thickness, options, times, progress.part(0.6, 1));
             other.found.handles < best.found.handles)
             best = std::move(other);
