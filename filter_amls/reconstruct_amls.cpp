@@ -200,8 +200,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
         attempt_mesh(points, options, options.noise, BallSharing::undisputed, nullptr, times, progress.part(0, 0.7));
     const int threads = resolve_threads(options.threads);
     bool is_filled = seems_filled(points, attempt, threads);
-    // Foliage has lids, too, whatever its noise; its sheets have backs.
-    if (is_filled && options.noise == 0 && attempt.found.backs == 0)
+    if (is_filled && options.noise == 0)
         if (auto finer = look_for_walls(points, options, attempt, times, progress.part(0.7, 0.95)))
         {
             attempt = std::move(*finer);
