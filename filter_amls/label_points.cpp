@@ -181,6 +181,7 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
         if (auto scene = label_exact_scene(frame, distinct, list_normals(progress.part(0, 0.1)), isolated, labelling,
                                            times, progress.part(0.1, 1)))
             return scene;
+    // Points that may be exact are labelled by options_for_labels(), as that crust is.
     const CrustOfPoints::Made* made = isolated == 0 ? surface.data().crust->made() : nullptr;
     LabelledBalls labelled =
         made ? made->labelled

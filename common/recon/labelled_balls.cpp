@@ -40,7 +40,7 @@ constexpr double undisputed_votes = 0.001, undisputed_votes_with_normals = 0.003
 constexpr double hardly_disputed_votes = 0.003;
 
 /// So many times BallLabellingOptions::most_violated is far above it: all balls violate 0.8 to 1.1 times what shared
-/// ones do, and where the local scale violates less than a third of it, these stay below 0.052.
+/// ones do, and where the local scale violates clearly less than these, they stay below 0.053.
 constexpr double far_above = 1.6;
 
 /// Weight of votes and normals against attraction. With normals 1.5: 1 leaves walls of undersampled flats open and real
