@@ -113,9 +113,9 @@ void make_mesh(Attempt& attempt, const AmlsReconstructionOptions& options, Phase
     }
 }
 
-/// \param noise 0 = estimate. \param earlier of an earlier attempt, if there was one.
-Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise, BallSharing sharing,
-                     const AmlsSurface* earlier, PhaseTimes& times, const Progress& progress)
+/// \param noise 0 = estimate. \param earlier attempt, if there was one.
+Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise,
+                     const Attempt* earlier, PhaseTimes& times, const Progress& progress)
 {
     times.begin("surface");
     AmlsOptions surface_options;
@@ -123,10 +123,12 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
     surface_options.noise = noise;
     surface_options.threads = options.threads;
     surface_options.terrain_faces_up = false; // see there
-    AmlsSurface surface =
-        build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"), {}, earlier);
+    AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"), {},
+                                             earlier ? &earlier->surface : nullptr);
     BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));
-    labelling.sharing = sharing;
+    // Where samples disputed that they share balls, those of the next attempt would, too.
+    if (earlier && !earlier->found.labelled.is_shared)
+        labelling.sharing = BallSharing::none;
     LabelledSamples labelled =
         label_points(points, surface, noise == 0, labelling, times, progress.part(0.4, 0.8, "labels"));
     Attempt attempt{std::move(surface), std::move(labelled)};
@@ -134,8 +136,7 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
     return attempt;
 }
 
-/// Opens all lids. \param mismatch of the best
-/// attempt so far. \returns whether that is clearly better.
+/// Opens all lids. \param mismatch of the best attempt so far. \returns whether that is clearly better.
 bool open_lids(Attempt& attempt, const Points& points, const AmlsReconstructionOptions& options, double mismatch,
                PhaseTimes& times, const Progress& progress)
 {
@@ -163,15 +164,13 @@ std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstruc
     const int threads = resolve_threads(options.threads);
     const double noise = first.surface.report().noise;
     const Mismatch before = measure_mismatch(points, first, threads);
-    // Where samples disputed that they share balls, those of the next attempt would, too.
-    const BallSharing sharing = first.found.labelled.is_shared ? BallSharing::undisputed : BallSharing::none;
     std::optional<Attempt> last;
     for (int i = 1; i <= halvings; ++i)
     {
         last.reset();
         try
         {
-            last = attempt_mesh(points, options, std::ldexp(noise, -i), sharing, &first.surface, times,
+            last = attempt_mesh(points, options, std::ldexp(noise, -i), &first, times,
                                 progress.part(0.9 * (i - 1) / halvings, 0.9 * i / halvings, "less noise"));
         }
         catch (const AlgorithmFailure&) // nothing is inside
@@ -196,8 +195,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
 {
     AmlsReconstruction result;
     PhaseTimes times;
-    Attempt attempt =
-        attempt_mesh(points, options, options.noise, BallSharing::undisputed, nullptr, times, progress.part(0, 0.7));
+    Attempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));
     const int threads = resolve_threads(options.threads);
     bool is_filled = seems_filled(points, attempt, threads);
     if (is_filled && options.noise == 0)

@@ -236,10 +236,9 @@ private:
         PreparedSamples& cloud = found.cloud;
         if (found.completed > 0 || points_.size() > most_points_twice)
             return;
-        const CleanSurface surface = build_clean_surface(cloud, progress.part(0, 0.4));
-        if (!surface.amls.report().open)
+        if (!find_clean_surface(cloud, progress.part(0, 0.4)).report().open)
             return;
-        const Vectors normals = surface.list_normals(options_.threads, progress.part(0.4, 0.5));
+        const Vectors normals = list_clean_normals(cloud, progress.part(0.4, 0.5));
         if (LostSheets none; recon::add_ground(cloud.samples, normals, none))
             return;
         if (std::optional<BackedSheets> sheet =
@@ -276,29 +275,17 @@ private:
     }
 
     /// The AMLS surface of a clean cloud's points, in its order.
-    struct CleanSurface
-    {
-        Points sorted;
-        AmlsSurface amls;
-
-        Vectors list_normals(int threads, const Progress& progress) const
-        {
-            return list_surface_normals(sorted, amls, threads, progress);
-        }
-    };
-
-    CleanSurface build_clean_surface(const PreparedSamples& cloud, const Progress& progress)
+    const AmlsSurface& find_clean_surface(const PreparedSamples& cloud, const Progress& progress)
     {
         times_.begin("AMLS");
-        Points sorted = points_at(cloud.order, points_);
-        const AmlsSurface& amls = latest_.find(sorted, options_, progress);
-        return {std::move(sorted), amls};
+        return latest_.find(points_at(cloud.order, points_), options_, progress);
     }
 
     Vectors list_clean_normals(const PreparedSamples& cloud, const Progress& progress)
     {
-        return build_clean_surface(cloud, progress.part(0, 0.6, "AMLS surface"))
-            .list_normals(options_.threads, progress.part(0.6, 1, "normals"));
+        const AmlsSurface& surface = find_clean_surface(cloud, progress.part(0, 0.6, "AMLS surface"));
+        return list_surface_normals(points_at(cloud.order, points_), surface, options_.threads,
+                                    progress.part(0.6, 1, "normals"));
     }
 
     /// The ground of a scene is such a sheet, whatever the balls between its samples are called.

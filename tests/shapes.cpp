@@ -166,6 +166,11 @@ OrientedSamples tube(int n, double radius, double wall, double half_length, std:
     return samples;
 }
 
+OrientedSamples thin_tube(std::uint64_t seed)
+{
+    return tube(4000, 1, 1.3 * thin_tube_spacing, 1.5, seed);
+}
+
 double distance_to_sphere(const Point& p, double radius)
 {
     return std::abs(p.norm() - radius);

@@ -44,6 +44,9 @@ recon::OrientedSamples ellipsoid(int n, const recon::Vector& half_axes, std::uin
 recon::OrientedSamples capsule(int n, double radius, double half_length, std::uint64_t seed);
 /// Both sides and the ends of an open tube around the z axis.
 recon::OrientedSamples tube(int n, double radius, double wall, double half_length, std::uint64_t seed);
+/// A tube whose walls are 1.3 spacings thick, so that neighbourhoods mix their sides: 4000 samples.
+inline constexpr double thin_tube_spacing = 0.095;
+recon::OrientedSamples thin_tube(std::uint64_t seed);
 /// The two faces of a square plate of `side` spacings, one sample a unit of area, jittered within the faces.
 recon::Points thin_plate(int side, double thickness, std::uint64_t seed);
 /// Such faces one above the other; a plate is two of them.

@@ -14,12 +14,6 @@ using namespace recon;
 namespace
 {
 
-/// With walls of 1.3 spacings, whose sides only the crust knows.
-Points thin_tube(std::uint64_t seed)
-{
-    return shapes::tube(4000, 1, 1.3 * 0.095, 1.5, seed).points;
-}
-
 /// Small discs anywhere in a cube.
 Points leaves(int count, int points_each)
 {
@@ -45,18 +39,18 @@ Points in_unit_frame(const Points& points)
 
 TEST(CrustOfPoints, SurfacesOfTheSamePointsShareIt)
 {
-    const Points tube = thin_tube(3);
+    const Points tube = shapes::thin_tube(3).points;
     const AmlsSurface first = build_amls_surface(tube);
     ASSERT_TRUE(first.data().crust->made());
     AmlsOptions less_noise;
     less_noise.noise = first.report().noise / 2;
     EXPECT_EQ(build_amls_surface(tube, less_noise, {}, {}, &first).data().crust, first.data().crust);
-    EXPECT_NE(build_amls_surface(thin_tube(4), {}, {}, {}, &first).data().crust, first.data().crust);
+    EXPECT_NE(build_amls_surface(shapes::thin_tube(4).points, {}, {}, {}, &first).data().crust, first.data().crust);
 }
 
 TEST(CrustOfPoints, LabelsOfExactPointsAreThoseThatItWasMadeOf)
 {
-    const Points tube = thin_tube(3);
+    const Points tube = shapes::thin_tube(3).points;
     const AmlsSurface surface = build_amls_surface(tube);
     ASSERT_TRUE(surface.data().crust->made());
     PhaseTimes times;

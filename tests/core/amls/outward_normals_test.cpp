@@ -25,19 +25,11 @@ double mean_cosine(const Vectors& normals, const OrientedSamples& truth)
     return sum / double(normals.size());
 }
 
-constexpr double tube_spacing = 0.095;
-
-/// Walls of 1.3 spacings.
-OrientedSamples thin_tube(std::uint64_t seed)
-{
-    return shapes::tube(4000, 1, 1.3 * tube_spacing, 1.5, seed);
-}
-
 } // namespace
 
 TEST(OutwardNormals, ThinWallsOfExactPointsFaceOutwardOnBothSides)
 {
-    const OrientedSamples tube = thin_tube(3);
+    const OrientedSamples tube = shapes::thin_tube(3);
     const OutwardNormals found = find_outward_normals(tube.points);
     EXPECT_TRUE(found.is_exact);
     EXPECT_GT(checks::share_facing(found.normals, tube.normals), 0.99);
@@ -48,10 +40,11 @@ TEST(OutwardNormals, ThinWallsOfExactPointsFaceOutwardOnBothSides)
 // Whose cells mix both sides: half of the normals were wrong.
 TEST(OutwardNormals, ThinWallsOfNoisyPointsFaceOutwardOnBothSides)
 {
-    const OrientedSamples tube = thin_tube(3);
+    const OrientedSamples tube = shapes::thin_tube(3);
     for (const double spacings : {0.05, 0.15})
     {
-        const OutwardNormals found = find_outward_normals(shapes::with_noise(tube.points, spacings * tube_spacing, 4));
+        const OutwardNormals found =
+            find_outward_normals(shapes::with_noise(tube.points, spacings * shapes::thin_tube_spacing, 4));
         EXPECT_FALSE(found.is_exact);
         EXPECT_GT(checks::share_facing(found.normals, tube.normals), 0.96) << spacings;
     }
@@ -165,7 +158,7 @@ TEST(OutwardNormals, NoiseOfASheetIsNoThinWall)
 
 TEST(OutwardNormals, AreThoseOfTheSurfaceWhereTheUserKnowsTheNoise)
 {
-    const OrientedSamples tube = thin_tube(3);
+    const OrientedSamples tube = shapes::thin_tube(3);
     AmlsOptions options;
     options.noise = 0.01;
     EXPECT_FALSE(find_outward_normals(tube.points, options).is_exact);
@@ -173,7 +166,7 @@ TEST(OutwardNormals, AreThoseOfTheSurfaceWhereTheUserKnowsTheNoise)
 
 TEST(OutwardNormals, DoNotDependOnThreadsNorOnTheOrder)
 {
-    const OrientedSamples tube = thin_tube(5);
+    const OrientedSamples tube = shapes::thin_tube(5);
     AmlsOptions options;
     options.threads = 1;
     const Vectors once = find_outward_normals(tube.points, options).normals;
@@ -188,7 +181,7 @@ TEST(OutwardNormals, RefuseFlatInputAndStopWhenAsked)
 {
     EXPECT_THROW(find_outward_normals(Points(5, Point(1, 2, 3))), InvalidInput);
     for (const double share : {0.2, 0.55, 0.7, 0.9})
-        EXPECT_THROW(find_outward_normals(thin_tube(3).points, {},
+        EXPECT_THROW(find_outward_normals(shapes::thin_tube(3).points, {},
                                           Progress([&](double done, const std::string&) { return done < share; })),
                      Cancelled)
             << share;

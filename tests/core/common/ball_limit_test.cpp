@@ -27,6 +27,10 @@ public:
     {
         BallLabellingOptions options;
         options.limit = limit;
+        return by(options);
+    }
+    LabelledBalls by(const BallLabellingOptions& options) const
+    {
         PhaseTimes times;
         return label_polar_balls(samples_, {}, options, times);
     }
@@ -90,14 +94,12 @@ TEST(BallLimit, AThresholdLeavesNoChoice)
 TEST(BallLimit, LabelsOfNoUseAreNotRepaired)
 {
     const Points torus = shapes::torus(4000, 1, 0.3, 3).points;
-    const Points noisy = shapes::with_noise(torus, 0.3 * std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / 4000), 5);
-    const Points samples = UnitFrame(noisy).to_unit(points_at(order_input(noisy).order, noisy));
+    const Labelled noisy(shapes::with_noise(torus, 0.3 * std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / 4000), 5));
     const auto label = [&](double most_violated)
     {
         BallLabellingOptions options;
         options.most_violated = most_violated;
-        PhaseTimes times;
-        return label_polar_balls(samples, {}, options, times);
+        return noisy.by(options);
     };
     const LabelledBalls repaired = label(1), useless = label(1e-9);
     EXPECT_GT(repaired.violated_votes, 1e-9);
