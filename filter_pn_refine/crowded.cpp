@@ -171,6 +171,21 @@ void reject_behind_edges(Workspace& w, const Centre& c)
     }
 }
 
+void reject_in_mouths(Workspace& w, const Centre& c, const Mouths& mouths, double spacing)
+{
+    Candidates& of = w.candidates;
+    const float radius = 1 / c.inverse_radius;
+    for (int k = 0; k < lane_count; ++k)
+    {
+        if (!(of.usable >> k & 1u))
+            continue;
+        const Point x(double(of.x[k] * radius + c.x), double(of.y[k] * radius + c.y), double(of.z[k] * radius + c.z));
+        const Vector normal(double(of.nx[k]), double(of.ny[k]), double(of.nz[k]));
+        if (mouths.hold(w.centre + x / w.scale, normal, spacing))
+            of.usable &= ~(1u << k);
+    }
+}
+
 void reject_other_side(Workspace& w, const Centre& c, const FaceSector& own_face, float least_crease_agreement,
                        float least_distance)
 {

@@ -2,6 +2,7 @@
 
 #include "level.h"
 #include "local_points.h"
+#include "mouths.h"
 
 /// What rings need seldom: where points crowd, and near creases.
 namespace recon::pn
@@ -19,6 +20,9 @@ void find_faces(const Level& level, Workspace& w);
 
 /// Candidates beyond the nearest edge of their face, as in the mouth of a bore, are none.
 void reject_behind_edges(Workspace& w, const Centre& c);
+
+/// Nor are those in mouths. \param spacing of the samples.
+void reject_in_mouths(Workspace& w, const Centre& c, const Mouths& mouths, double spacing);
 
 /// New points on the other side of a crease still keep others at a distance, but join nothing.
 void reject_other_side(Workspace& w, const Centre& c, const FaceSector& own_face, float least_crease_agreement,

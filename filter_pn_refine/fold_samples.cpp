@@ -26,6 +26,7 @@ constexpr double surrounded = 170 * pi / 180; ///< Samples around leave no wider
 constexpr double clear = 1.5;                 ///< A fold has nothing of its side before it so far [spacings],
 constexpr double clear_cone = 0.75;           ///< within the angle of this cosine.
 constexpr double jutting = 0.25;              ///< No point lies farther out than all samples around [spacings].
+constexpr double flat = 0.98;                 ///< Normals of a face that does not bend agree so far.
 constexpr int around = 24;                    ///< Samples looked at.
 constexpr int fitted = 14;                    ///< Samples that the surface interpolates.
 
@@ -173,8 +174,8 @@ std::vector<double> directions_into_gaps(const OrientedSamples& samples, const I
 } // namespace
 
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, const std::function<bool(std::size_t)>& may_start, int threads,
-                          const Progress& progress)
+                          double slack, bool has_creases, const std::function<bool(std::size_t)>& may_start,
+                          int threads, const Progress& progress)
 {
     const OrientedSamples& samples = usable.samples;
     const std::size_t n = samples.points.size();
@@ -190,7 +191,15 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
             // On the rim of an open surface no walk would end: this saves the attempt.
             const bool has_fold = std::any_of(
                 near, near + around, [&](int j) { return samples.normals[std::size_t(j)].dot(normal) < same_side; });
-            if (fans.widest_gap[i] <= open_gap || !has_fold || !(spacing[i] > 0) || !may_start(i))
+            // Where edges are sharp, a face that is flat here does not bend into a fold.
+            const bool is_flat = has_creases && std::all_of(near, near + fitted,
+                                                            [&](int j)
+                                                            {
+                                                                const double a =
+                                                                    samples.normals[std::size_t(j)].dot(normal);
+                                                                return a < folded || a > flat;
+                                                            });
+            if (fans.widest_gap[i] <= open_gap || is_flat || !has_fold || !(spacing[i] > 0) || !may_start(i))
                 return;
             const Vector e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
             const Walk walk(usable, i, double(spacing[i]), slack);

@@ -16,7 +16,7 @@ namespace recon::pn
 /// surface's gradients. \param may_start whether walks may
 /// begin at a sample.
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, const std::function<bool(std::size_t)>& may_start, int threads,
-                          const Progress& progress);
+                          double slack, bool has_creases, const std::function<bool(std::size_t)>& may_start,
+                          int threads, const Progress& progress);
 
 } // namespace recon::pn

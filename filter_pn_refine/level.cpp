@@ -96,6 +96,8 @@ void make_children(const Level& level, const Growth& growth, const UnitFrame& fr
     for (int k = 0; k < n; ++k)
     {
         made[k].flags = WorkPoint::refined;
+        for (int corner : children.corners()[k])
+            made[k].flags |= level.points[std::size_t(corner)].flags & WorkPoint::near_mouth;
         if (growth.correct)
             growth.correct(children.corners()[k], made[k]);
     }

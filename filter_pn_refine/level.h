@@ -26,15 +26,16 @@ struct WorkPoint
     int id;        ///< Place in the output.
     enum Flag : std::uint32_t
     {
-        refined = 1,       ///< Its neighbourhood is completed in the next step.
-        frozen = 2,        ///< Never refined.
-        crease = 4,        ///< Shares its position with others of other normals,
-        above = 8,         ///< with one, and its face lies above the plane of that,
-        below = 16,        ///< or below.
-        sector = 32,       ///< Or with two, and its face is a sector
-        reflex = 64,       ///< (of more than half a turn)
-        above_first = 128, ///< above the plane of the first of these in the order of normals, else below,
-        above_second = 256 ///< and (if reflex, or) above that of the second, else below.
+        refined = 1,        ///< Its neighbourhood is completed in the next step.
+        frozen = 2,         ///< Never refined.
+        crease = 4,         ///< Shares its position with others of other normals,
+        above = 8,          ///< with one, and its face lies above the plane of that,
+        below = 16,         ///< or below.
+        sector = 32,        ///< Or with two, and its face is a sector
+        reflex = 64,        ///< (of more than half a turn)
+        above_first = 128,  ///< above the plane of the first of these in the order of normals, else below,
+        above_second = 256, ///< and (if reflex, or) above that of the second, else below.
+        near_mouth = 512    ///< See Mouths.
     };
     std::uint32_t flags;
 };

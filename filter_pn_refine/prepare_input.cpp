@@ -53,6 +53,9 @@ public:
         if (options_.detect_creases)
             put_onto_creases();
         find_fans(progress.part(0.4, 0.8, "radii"));
+        if (options_.preserve_creases &&
+            std::find(usable_.is_crease.begin(), usable_.is_crease.end(), char(1)) != usable_.is_crease.end())
+            prepared_.mouths = std::make_unique<Mouths>(usable_, prepared_.spacing, threads_);
         if (options_.hole_radius > 0)
             put_into_holes();
         if (options_.fast)
@@ -121,15 +124,16 @@ private:
         // Who gives a radius says how wide a void is that has to stay.
         if (options_.initial_radius > 0 || options_.target_radius > 0)
             return;
-        result_.void_points = put_in_if_allowed(
-            sample_voids(usable_, prepared_.fans, prepared_.spacing, prepared_.slack, may_start(), threads_, progress));
+        result_.void_points =
+            put_in_if_allowed(sample_voids(usable_, prepared_.fans, prepared_.spacing, prepared_.slack,
+                                           prepared_.mouths.get(), may_start(), threads_, progress));
     }
 
     /// \returns whether there were any.
     bool put_into_folds(const Progress& progress)
     {
-        const int made = put_in_if_allowed(
-            sample_folds(usable_, prepared_.fans, prepared_.spacing, prepared_.slack, may_start(), threads_, progress));
+        const int made = put_in_if_allowed(sample_folds(usable_, prepared_.fans, prepared_.spacing, prepared_.slack,
+                                                        prepared_.mouths != nullptr, may_start(), threads_, progress));
         result_.fold_points += made;
         return made > 0;
     }

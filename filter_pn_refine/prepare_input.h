@@ -1,12 +1,14 @@
 #pragma once
 
 #include "initial_fans.h"
+#include "mouths.h"
 #include "refine.h"
 #include "usable_samples.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
+#include <memory>
 #include <vector>
 
 namespace recon::pn
@@ -19,8 +21,9 @@ struct Prepared
 {
     UsableSamples usable; ///< With those that were put in.
     InitialFans fans;
-    std::vector<float> spacing; ///< Per usable sample: usual distance to its neighbours.
-    double slack = 0;           ///< Of a HermiteSurface's gradients.
+    std::vector<float> spacing;     ///< Per usable sample: usual distance to its neighbours.
+    std::unique_ptr<Mouths> mouths; ///< Where edges are sharp.
+    double slack = 0;               ///< Of a HermiteSurface's gradients.
 };
 
 /// Whether a point of the input keeps what it has.

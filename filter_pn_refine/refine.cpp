@@ -98,6 +98,7 @@ public:
         find_segments(prepared, sides);
         start(prepared, sides, choose_radii(prepared.usable, prepared.fans, options_, hints_, frame_.scale()));
         prepared.usable.nearest = {};
+        mouths_ = std::move(prepared.mouths);
         times.end();
 
         reserve_result();
@@ -165,6 +166,8 @@ private:
                                               : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
                 p.flags |= WorkPoint::crease | sides[i];
+            if (prepared.mouths && prepared.mouths->are_near(i, usable))
+                p.flags |= WorkPoint::near_mouth;
         }
         level_ = make_level(std::move(points));
     }
@@ -222,6 +225,7 @@ private:
                               shrinking_,
                               float(std::cos(options_.crease_angle * radians)),
                               float(options_.boundary_angle * radians),
+                              mouths_.get(),
                               state.children,
                               state.next_radius,
                               state.open_gaps};
@@ -323,6 +327,7 @@ private:
     const int threads_;
     const int input_count_;
     const PnRefineHints& hints_;
+    std::unique_ptr<Mouths> mouths_;
     std::optional<Prepared> prepared_; ///< Until the first step is done.
     Level level_;
     ChildrenMemory children_memory_;

@@ -407,6 +407,8 @@ struct PointRefiner
             const float fan_gap = list_candidates(c, ring, w.fan, least_distance, spacing, w.candidates);
             if (w.has_creases)
                 reject_behind_edges(w, c);
+            if (point.flags & WorkPoint::near_mouth)
+                reject_in_mouths(w, c, *step.mouths, double(point.spacing));
             is_open = fill_gaps(c, own, accurate, plane, gaps, front);
             // A rim stays open: keeping the radius large there would only collect neighbours.
             is_rim = fan_gap > step.boundary_angle;

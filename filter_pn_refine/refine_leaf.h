@@ -2,6 +2,7 @@
 
 #include "level.h"
 #include "local_rules.h"
+#include "mouths.h"
 
 namespace recon::pn
 {
@@ -25,6 +26,7 @@ struct RefineStep
     float shrinking = 1;                 ///< Of that distance after the step to before it, as expected.
     float least_crease_agreement = 0;    ///< Cosine of the crease angle: of normals near creases.
     float boundary_angle = 0;            ///< [radians]
+    const Mouths* mouths = nullptr;      ///< Where nothing is put; null: there are none.
     std::vector<LeafChildren>& children; ///< Per leaf.
     std::vector<float>& next_radius;     ///< Per point of the level: raised.
     std::vector<int>& open_gaps;         ///< Per leaf: points whose neighbourhood stayed open.

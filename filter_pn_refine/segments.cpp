@@ -184,6 +184,19 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
             as_floats(usable.samples.points[std::size_t(to)] - usable.samples.points[std::size_t(from)]);
         return sectors[std::size_t(from)].leads_behind(d[0], d[1], d[2]);
     };
+    // Between two crests of a thread all normals agree as well, yet no crease leads from one to the other.
+    const auto lies_along = [&](const std::array<int, 2>& p, const std::array<int, 2>& q)
+    {
+        constexpr double least = 0.7; // cosine; as in end_tangent()
+        const Vector chord = usable.samples.points[std::size_t(p[1])] - usable.samples.points[std::size_t(p[0])];
+        const auto follows = [&](std::size_t end)
+        {
+            const Vector tangent =
+                usable.samples.normals[std::size_t(p[end])].cross(usable.samples.normals[std::size_t(q[end])]);
+            return std::abs(tangent.dot(chord)) >= least * tangent.norm() * chord.norm();
+        };
+        return follows(0) && follows(1);
+    };
     std::vector<CreaseLink> found;
     for (auto& [key, pairs] : links)
     {
@@ -196,7 +209,7 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
         double best = -2;
         for (const auto& p : pairs)
             for (const auto& q : pairs)
-                if (p[0] < q[0] && p[1] != q[1])
+                if (p[0] < q[0] && p[1] != q[1] && lies_along(p, q))
                 {
                     const auto& normals = usable.samples.normals;
                     const double agreement = normals[std::size_t(p[0])].dot(normals[std::size_t(p[1])]) +
@@ -293,7 +306,7 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
                 p.radius = float(0.5 * chord.norm());
                 p.spacing = nearer.spacing;
                 constexpr std::uint32_t sides = WorkPoint::above | WorkPoint::below; // corners have none
-                p.flags = WorkPoint::refined;
+                p.flags = WorkPoint::refined | (nearer.flags & WorkPoint::near_mouth);
                 if (is_crease)
                     p.flags |= WorkPoint::crease | (sides & ((nearer.flags & sides) ? nearer.flags : farther.flags));
                 const int place = third == 0 ? at_a[side] : at_b[side],

@@ -30,8 +30,8 @@ class VoidFinder
 {
 public:
     VoidFinder(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing, double slack,
-               const std::function<bool(std::size_t)>& may_start)
-        : usable_(usable), samples_(usable.samples), fans_(fans), spacing_(spacing), slack_(slack),
+               const Mouths* mouths, const std::function<bool(std::size_t)>& may_start)
+        : usable_(usable), samples_(usable.samples), fans_(fans), spacing_(spacing), slack_(slack), mouths_(mouths),
           may_start_(may_start)
     {
     }
@@ -116,6 +116,8 @@ private:
             const Vector d = point(j) - made.position;
             return std::abs(d.dot(normal(j))) <= largest_slope * d.norm();
         };
+        if (mouths_ && mouths_->hold(made.position, made.normal, usual))
+            return false;
         return squared[0] > room * room * usual * usual && std::all_of(nearest, nearest + found, is_passed);
     }
 
@@ -124,6 +126,7 @@ private:
     const InitialFans& fans_;
     const std::vector<float>& spacing_;
     const double slack_;
+    const Mouths* mouths_;
     const std::function<bool(std::size_t)>& may_start_;
 };
 
@@ -160,10 +163,10 @@ std::vector<ProposedSample> leave_out_slits(std::vector<ProposedSample> proposed
 } // namespace
 
 AddedSamples sample_voids(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, const std::function<bool(std::size_t)>& may_start, int threads,
-                          const Progress& progress)
+                          double slack, const Mouths* mouths, const std::function<bool(std::size_t)>& may_start,
+                          int threads, const Progress& progress)
 {
-    const VoidFinder finder(usable, fans, spacing, slack, may_start);
+    const VoidFinder finder(usable, fans, spacing, slack, mouths, may_start);
     std::vector<std::vector<ProposedSample>> found(usable.samples.points.size());
     parallel_for(
         found.size(), threads, progress, [&](std::size_t i) { finder.look_around(i, found[i]); }, 64);

@@ -2,6 +2,7 @@
 
 #include "added_samples.h"
 #include "initial_fans.h"
+#include "mouths.h"
 #include "usable_samples.h"
 
 #include <recon/progress.h>
@@ -18,7 +19,7 @@ namespace recon::pn
 /// say that the surface may do anything between the corners. \param spacing per sample, the usual distance around it.
 /// \param slack as of move_onto_sample_surface(). \param may_start which samples may be corners.
 AddedSamples sample_voids(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, const std::function<bool(std::size_t)>& may_start, int threads,
-                          const Progress& progress);
+                          double slack, const Mouths* mouths, const std::function<bool(std::size_t)>& may_start,
+                          int threads, const Progress& progress);
 
 } // namespace recon::pn

@@ -140,39 +140,6 @@ TEST(Creases, NormalsThatAreNotExactShowNone)
     EXPECT_EQ(refine_points(samples, one_thread(0)).crease_points, 0);
 }
 
-/// A plate of 2 x 2 x `thickness` with a bore along z, `count` samples to the unit of area.
-OrientedSamples bored_plate(double thickness, double bore, double count, std::uint64_t seed = 7)
-{
-    OrientedSamples samples;
-    shapes::Random random(seed);
-    const auto add = [&](double area, const auto& draw)
-    {
-        for (int i = 0; i < int(area * count); ++i)
-            draw(2 * shapes::uniform(random) - 1, 2 * shapes::uniform(random) - 1);
-    };
-    const auto put = [&](const Point& p, const Vector& n)
-    {
-        if (p.head<2>().norm() > bore * (1 - 1e-9))
-        {
-            append(samples, p, n);
-        }
-    };
-    const double h = thickness / 2;
-    for (const double side : {-1.0, 1.0})
-    {
-        add(4, [&](double u, double v) { put({u, v, side * h}, side * Vector::UnitZ()); });
-        add(2 * thickness, [&](double u, double v) { put({side, u, v * h}, side * Vector::UnitX()); });
-        add(2 * thickness, [&](double u, double v) { put({u, side, v * h}, side * Vector::UnitY()); });
-    }
-    add(2 * M_PI * bore * thickness,
-        [&](double u, double v)
-        {
-            const Vector out(std::cos(M_PI * u), std::sin(M_PI * u), 0);
-            put(bore * out + v * h * Vector::UnitZ(), -out);
-        });
-    return samples;
-}
-
 TEST(Creases, TheMouthOfABoreStaysOpen)
 {
     constexpr double bore = 0.15; // 2.5 spacings
