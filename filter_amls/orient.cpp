@@ -422,13 +422,16 @@ double measure_fullness(const Points& points, const std::vector<double>& spacing
 }
 
 /// Turns what is open over so that it encloses a positive volume, or, if it is too flat to tell, so that closed pieces
-/// stand before it.
-void turn_outward(const Points& points, const std::vector<double>& spacing, const std::vector<char>& is_closed,
-                  Vectors& normals)
+/// stand before it. Of a closed cloud a hardly negative volume says nothing: that of a thin ring is less than the error
+/// of the areas.
+void turn_outward(const Points& points, const std::vector<double>& spacing, bool is_open,
+                  const std::vector<char>& is_closed, Vectors& normals)
 {
     constexpr double flat = 0.1, clearly = 0.2;
-    const double fullness = measure_fullness(points, spacing, is_closed, normals),
-                 facing = std::abs(fullness) < flat ? measure_facing(points, spacing, is_closed, normals) : 0;
+    const double fullness = measure_fullness(points, spacing, is_closed, normals);
+    if (!is_open && fullness > -flat)
+        return;
+    const double facing = std::abs(fullness) < flat ? measure_facing(points, spacing, is_closed, normals) : 0;
     if ((std::abs(facing) > clearly ? facing : fullness) < 0)
         turn_over(normals, is_closed);
 }
@@ -478,7 +481,7 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     result.is_closed =
         result.open ? turn_closed_pieces(t, points, spacing, result.normals) : std::vector<char>(points.size(), 0);
     if (!ground)
-        turn_outward(points, spacing, result.is_closed, result.normals);
+        turn_outward(points, spacing, result.open, result.is_closed, result.normals);
     result.poles = select_poles(t, points, normals, spacing, balls.outer, balls.inner);
     return result;
 }

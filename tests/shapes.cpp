@@ -78,6 +78,18 @@ Points sphere_below(double z, int n, double radius, std::uint64_t seed)
     return result;
 }
 
+namespace
+{
+
+void append_torus_point(double major, double minor, double u, double v, OrientedSamples& samples)
+{
+    const Vector normal(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v));
+    samples.points.push_back(Vector(major * std::cos(u), major * std::sin(u), 0) + minor * normal);
+    samples.normals.push_back(normal);
+}
+
+} // namespace
+
 OrientedSamples torus(int n, double major, double minor, std::uint64_t seed)
 {
     Random random(seed);
@@ -85,13 +97,30 @@ OrientedSamples torus(int n, double major, double minor, std::uint64_t seed)
     while (int(samples.points.size()) < n)
     {
         const double u = 2 * pi * uniform(random), v = 2 * pi * uniform(random);
-        if (uniform(random) > (major + minor * std::cos(v)) / (major + minor))
-            continue;
-        const Vector normal(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v));
-        samples.points.push_back(Vector(major * std::cos(u), major * std::sin(u), 0) + minor * normal);
-        samples.normals.push_back(normal);
+        if (uniform(random) <= (major + minor * std::cos(v)) / (major + minor))
+            append_torus_point(major, minor, u, v, samples);
     }
     return samples;
+}
+
+OrientedSamples torus_of_rings(double major, double minor)
+{
+    const int rings = int(2 * pi * major), around = int(2 * pi * minor + 0.5);
+    OrientedSamples samples;
+    for (int i = 0; i < rings; ++i)
+        for (int j = 0; j < around; ++j)
+            append_torus_point(major, minor, 2 * pi * i / rings, 2 * pi * j / around, samples);
+    return samples;
+}
+
+Points even_torus(double major, double minor, std::uint64_t seed)
+{
+    PoissonDisks disks(1, seed);
+    const OrientedSamples draws = torus(int(12 * 4 * pi * pi * major * minor), major, minor, seed);
+    std::size_t next = 0;
+    Points points;
+    disks.fill([&] { return draws.points[next++]; }, int(draws.points.size()), points);
+    return points;
 }
 
 OrientedSamples box(int n, const Vector& sides, std::uint64_t seed)

@@ -34,6 +34,10 @@ recon::OrientedSamples sphere(int n, double radius, std::uint64_t seed);
 recon::Points sphere_below(double z, int n, double radius, std::uint64_t seed);
 /// Torus around the z axis: tube `minor` around the circle of radius `major`.
 recon::OrientedSamples torus(int n, double major, double minor, std::uint64_t seed);
+/// The same in rings of points, as vertices of a mesh lie: about one a unit of area.
+recon::OrientedSamples torus_of_rings(double major, double minor);
+/// The same by PoissonDisks of spacing 1.
+recon::Points even_torus(double major, double minor, std::uint64_t seed);
 /// Axis-aligned box centred at the origin.
 recon::OrientedSamples box(int n, const recon::Vector& sides, std::uint64_t seed);
 /// Random points anywhere in such a box.

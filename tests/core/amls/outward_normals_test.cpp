@@ -122,6 +122,21 @@ TEST(OutwardNormals, AreThoseOfTheSurfaceWherePointsAreNoisyOrOpen)
 
 // The balls find the hollow sides inside: without a look for seams the two ends of an S, windings of a roll and bumps
 // of a terrain whose plain passes for a ground faced either way (.50, .62 and .84 on one side).
+// What a thin ring encloses is less than the error of the areas that its points stand for.
+TEST(OutwardNormals, OfThinRingsPointOutward)
+{
+    for (const double noise : {0.0, 0.1})
+        for (const double major : {30, 50})
+        {
+            const OrientedSamples ring = shapes::torus_of_rings(major, 1.5);
+            const Vectors normals = find_outward_normals(shapes::with_noise(ring.points, noise, 101)).normals;
+            int outward = 0;
+            for (std::size_t i = 0; i < normals.size(); ++i)
+                outward += normals[i].dot(ring.normals[i]) > 0.5;
+            EXPECT_GT(outward, 0.99 * double(normals.size())) << major << ' ' << noise;
+        }
+}
+
 TEST(OutwardNormals, AreConsistentOnSheetsThatBendBack)
 {
     for (const double noise : {0.0, 0.3})
