@@ -1,9 +1,9 @@
 // Where the noisy power crust stops working, on shapes of known topology: crust_limits <seed>
-// [sheet|gap|torus|hole|fins]
-//   sheet: a plate of thickness t. gap: two balls whose surfaces are t apart. torus: tube of diameter t. hole: a plate
-//   3 spacings thick with 3 x 3 holes of diameter t. fins: eight on a base, walls and gaps t thick. t in spacings of
-//   the samples; noise in spacings too; 5 noisy samples a spot where there is noise, as in the grids. Prints "shape
-//   noise t right-of-trials".
+// [sheet|gap|torus|rings|hole|fins]
+//   sheet: a plate of thickness t. gap: two balls whose surfaces are t apart. torus: tube of diameter t. rings: the same
+//   in rings of points, as vertices of a mesh lie. hole: a plate 3 spacings thick with 3 x 3 holes of diameter t. fins:
+//   eight on a base, walls and gaps t thick. t in spacings of the samples; noise in spacings too; 5 noisy samples a
+//   spot where there is noise, as in the grids. Prints "shape noise t right-of-trials".
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
@@ -36,6 +36,8 @@ Shape make(const std::string& name, double t, unsigned seed)
         return {shapes::bored_plate(3, t, seed), 1, 2 - 2 * 9};
     if (name == "fins")
         return {shapes::HeatSink(8, t, t, 14, 25, 4, seed).points, 1, 2};
+    if (name == "rings")
+        return {shapes::torus_of_rings(12 + 10 * (seed % 3), 0.5 * t).points, 1, 0};
     shapes::PoissonDisks disks(1, seed);
     const auto direction = [&]
     {
@@ -98,12 +100,12 @@ int main(int argc, char** argv)
 {
     if (argc < 2)
     {
-        std::fprintf(stderr, "usage: %s <seed> [sheet|gap|torus|hole|fins]\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <seed> [sheet|gap|torus|rings|hole|fins]\n", argv[0]);
         return 2;
     }
     const unsigned seed = unsigned(std::atoi(argv[1]));
     constexpr int trials = 3;
-    for (const std::string name : {"sheet", "gap", "torus", "hole", "fins"})
+    for (const std::string name : {"sheet", "gap", "torus", "rings", "hole", "fins"})
         if (argc < 3 || name == argv[2])
             for (const double noise : {0.0, 0.1, 0.2, 0.4})
                 for (const double t : {0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0})

@@ -6,10 +6,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-TITLES = {"sheet": "sheet, thickness", "gap": "two balls, distance", "torus": "torus, tube diameter", "hole": "plate with holes, diameter",
-          "fins": "fins, walls and gaps"}
+TITLES = {"sheet": "sheet, thickness", "gap": "two balls, distance", "torus": "torus, tube diameter",
+          "rings": "the same in rings", "hole": "plate with holes, diameter", "fins": "fins, walls and gaps"}
 rows = [line.split() for line in open(sys.argv[1]) if line.strip()]
-figure, axes = plt.subplots(1, len(TITLES), figsize=(13, 2.6), sharey=True)
+figure, axes = plt.subplots(1, len(TITLES), figsize=(15.6, 2.6), sharey=True)
 for axis, (name, title) in zip(axes, TITLES.items()):
     mine = [(float(n), float(t), int(r) / int(k)) for shape, n, t, r, k in rows if shape == name]
     noises = sorted({n for n, _, _ in mine})

@@ -4,6 +4,7 @@
 #include "open_sheets.h"
 #include "sample_surface.h"
 #include "surface_data.h"
+#include "thin_tubes.h"
 #include "thin_walls.h"
 
 #include <recon/back_sheets.h>
@@ -14,6 +15,7 @@
 #include <recon/mismatch.h>
 
 #include <algorithm>
+#include <exception>
 #include <functional>
 
 namespace recon
@@ -153,40 +155,53 @@ double measure_mismatch(const LabelledSamples& found, const Points& points, int 
     return measure_mismatch(found.frame.to_unit(points), crust, threads).sum();
 }
 
+/// The distinct points, but for isolated ones.
+struct PointsAsTheyAre
+{
+    PointsAsTheyAre(const Points& points, const AmlsSurface& surface, int threads)
+        : kept(list_without_isolated(points, surface.data(), threads)),
+          isolated(int(surface.data().points.size() - kept.size())), distinct(points_at(kept, points)),
+          frame(isolated > 0 ? distinct : points)
+    {
+        distinct = frame.to_unit(distinct);
+        cleanness = measure_cleanness(distinct, threads);
+    }
+
+    std::vector<int> kept;
+    int isolated;
+    Points distinct; ///< In the frame, in spatial order.
+    UnitFrame frame; ///< Not that of all points, see label_surface().
+    Cleanness cleanness;
+};
+
 /// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
 /// not exact as far as can be told, or too open.
-std::optional<LabelledSamples> label_exact_points(const Points& points, const AmlsSurface& surface,
-                                                  const BallLabellingOptions& labelling, PhaseTimes& times,
-                                                  const Progress& progress)
+std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they_are, const Points& points,
+                                                  const AmlsSurface& surface, const BallLabellingOptions& labelling,
+                                                  PhaseTimes& times, const Progress& progress)
 {
-    times.begin("gate");
-    const std::vector<int> kept = list_without_isolated(points, surface.data(), labelling.threads);
-    const int isolated = int(surface.data().points.size() - kept.size());
-    Points distinct = points_at(kept, points);
-    // Not that of all points, see label_surface().
-    const UnitFrame frame(isolated > 0 ? distinct : points);
-    distinct = frame.to_unit(distinct);
     const AmlsSurfaceReport& report = surface.report();
-    const Cleanness cleanness = measure_cleanness(distinct, labelling.threads);
-    if (!looks_exact(cleanness, report.least_noise))
+    if (!looks_exact(as_they_are.cleanness, report.least_noise))
         return {};
+    const Points& distinct = as_they_are.distinct;
+    const int isolated = as_they_are.isolated;
     std::optional<Vectors> known; // asked for up to three times
     const auto list_normals = [&](const Progress& part)
     {
         if (!known)
-            known = points_at(kept, list_surface_normals(points, surface, labelling.threads, part));
+            known = points_at(as_they_are.kept, list_surface_normals(points, surface, labelling.threads, part));
         return *known;
     };
     if (report.open)
-        if (auto scene = label_exact_scene(frame, distinct, list_normals(progress.part(0, 0.1)), isolated, labelling,
-                                           times, progress.part(0.1, 1)))
+        if (auto scene = label_exact_scene(as_they_are.frame, distinct, list_normals(progress.part(0, 0.1)), isolated,
+                                           labelling, times, progress.part(0.1, 1)))
             return scene;
     // Points that may be exact are labelled by options_for_labels(), as that crust is.
     const CrustOfPoints::Made* made = isolated == 0 ? surface.data().crust->made() : nullptr;
     LabelledBalls labelled =
         made ? made->labelled
              : label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
-    LabelledSamples found{frame, std::move(distinct), std::move(labelled), isolated, true};
+    LabelledSamples found{as_they_are.frame, distinct, std::move(labelled), isolated, true};
     if (report.open && may_lack_sheets(found.samples, found.labelled, labelling.threads))
         if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 1)))
         {
@@ -197,14 +212,49 @@ std::optional<LabelledSamples> label_exact_points(const Points& points, const Am
     if (found.labelled.violated_votes > flooded_above)
         return {};
     if (std::optional<LabelledBalls> better =
-            label_thin_walls(found.samples, cleanness.stacked, list_normals, labelling, found.labelled, times,
-                             progress.part(0.5, 1, "thin walls")))
+            label_thin_walls(found.samples, as_they_are.cleanness.stacked, list_normals, labelling, found.labelled,
+                             times, progress.part(0.5, 1, "thin walls")))
         found.labelled = std::move(*better);
-    found.least_roughness = cleanness.least_roughness;
+    found.least_roughness = as_they_are.cleanness.least_roughness;
     const LostSheets lost = find_lost_sheets(found.samples, found.labelled, false, labelling.threads);
     if (lost.largest <= bearable_lost)
         back_some_sheets(found, lost, false, list_normals, labelling, times, progress.part(0.5, 1, "backs of sheets"));
     return found;
+}
+
+/// Samples of the surface, or the points as they are where these are thin tubes'.
+LabelledSamples label_surface_or_tubes(const PointsAsTheyAre& as_they_are, const Points& points,
+                                       const AmlsSurface& surface, const BallLabellingOptions& labelling,
+                                       PhaseTimes& times, const Progress& progress)
+{
+    std::optional<LabelledSamples> found;
+    std::exception_ptr failure;
+    try
+    {
+        found = label_surface(points, surface, 0, labelling, times, progress.part(0, 0.7));
+    }
+    catch (const AlgorithmFailure&) // nothing is inside
+    {
+        failure = std::current_exception();
+    }
+    const double violated = found ? found->labelled.violated_votes : 1;
+    const Cleanness& cleanness = as_they_are.cleanness;
+    if (may_be_tubes(cleanness.share(), cleanness.is_doubtful(), violated))
+        try
+        {
+            BallLabellingOptions options = labelling;
+            options.limit = BallLimit::fine;
+            LabelledBalls labelled = label_polar_balls(as_they_are.distinct, {}, options, times,
+                                                       progress.part(0.7, 1, "points as they are"));
+            if (are_tubes(labelled.violated_votes, violated))
+                return {as_they_are.frame, as_they_are.distinct, std::move(labelled), as_they_are.isolated, true};
+        }
+        catch (const AlgorithmFailure&) // nor here
+        {
+        }
+    if (failure)
+        std::rethrow_exception(failure);
+    return std::move(*found);
 }
 
 /// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and
@@ -248,19 +298,23 @@ BallLabellingOptions options_for_labels(int threads)
 LabelledSamples label_points(const Points& points, const AmlsSurface& surface, bool may_be_exact,
                              const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
-    std::optional<LabelledSamples> exact;
-    if (may_be_exact)
-        exact = label_exact_points(points, surface, labelling, times, progress.part(0, 0.5));
-    if (!exact)
+    if (!may_be_exact)
         return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 1));
-    return label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
+    times.begin("gate");
+    const PointsAsTheyAre as_they_are(points, surface, labelling.threads);
+    if (std::optional<LabelledSamples> exact =
+            label_exact_points(as_they_are, points, surface, labelling, times, progress.part(0, 0.5)))
+        return label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
+    return label_surface_or_tubes(as_they_are, points, surface, labelling, times, progress.part(0.5, 1));
 }
 
 std::optional<LabelledSamples> label_only_exact_points(const Points& points, const AmlsSurface& surface,
                                                        const BallLabellingOptions& labelling, PhaseTimes& times,
                                                        const Progress& progress)
 {
-    std::optional<LabelledSamples> exact = label_exact_points(points, surface, labelling, times, progress.part(0, 0.5));
+    times.begin("gate");
+    std::optional<LabelledSamples> exact = label_exact_points(PointsAsTheyAre(points, surface, labelling.threads),
+                                                              points, surface, labelling, times, progress.part(0, 0.5));
     if (exact)
         exact = label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
     return exact && exact->is_exact ? std::move(exact) : std::nullopt;

@@ -13,17 +13,6 @@
 
 namespace recon
 {
-namespace
-{
-
-/// Roughness above which a cloud is noisy, if it is so nearly everywhere [spacings]. Clean coarse models have 0.06 at
-/// most, clouds with one sample a spot 0.12 at a noise of 0.2.
-constexpr double coarse_noise = 0.11;
-/// Share of flat neighbours above which that is thin walls, not noise: 0.83 on casting, whose walls read as noise
-/// of 1.1 spacings, 0.77 to 0.84 on sheets one spacing thick, 0.68 to 0.74 at a noise of 0.2.
-constexpr double certainly_flat = 0.75;
-
-} // namespace
 
 void PreparedSamples::choose_frame(const Points& spanning, const Points& points)
 {
@@ -79,7 +68,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         }
     }
     result.stacked = cleanness.stacked;
-    result.cleanness = std::max(cleanness.long_cells, cleanness.flat_neighbours);
+    result.cleanness = cleanness.share();
     // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however coarse.
     if (options.denoise == Denoise::automatic && options.noise == 0)
     {
@@ -94,8 +83,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     result.is_noisy = is_noisy_in_parts || (!cleanness.is_clean() && !is_exact);
     if (!result.is_noisy && !is_exact)
     {
-        result.is_doubtful = !cleanness.is_smooth_but_noisy() && cleanness.flat_neighbours < certainly_flat &&
-                             cleanness.least_roughness > coarse_noise;
+        result.is_doubtful = cleanness.is_doubtful();
         result.is_noisy = cleanness.is_smooth_but_noisy() || result.is_doubtful ||
                           (options.finds_any_noise && cleanness.is_hardly_noisy());
     }

@@ -1,3 +1,4 @@
+#include "filter_amls/reconstruct_amls.h"
 #include "filter_noisy_powercrust/label_cloud.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
@@ -49,6 +50,37 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
         const checks::MeshReport report = checks::examine_mesh(crust.mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_NEAR(report.volume, cup.volume, one.error * cup.volume) << one.wall << ' ' << one.noise;
+    }
+}
+
+// Between two rings of vertices a tube is one ball, and rounding decides which ring's samples vote for it.
+TEST(NoisyPowerCrust, TubesOfRingsAreNotCut)
+{
+    for (const double thickness : {2.5, 3.0})
+        for (const double major : {8, 15})
+            for (const double noise : {0.0, 0.01})
+            {
+                const Points points =
+                    shapes::with_noise(shapes::torus_of_rings(major, 0.5 * thickness).points, noise, 7);
+                const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+                EXPECT_EQ(crust.components, 1) << thickness << ' ' << major << ' ' << noise;
+                EXPECT_EQ(crust.genus, 1) << thickness << ' ' << major << ' ' << noise;
+                const AmlsReconstruction smooth = reconstruct_amls(points);
+                EXPECT_EQ(smooth.genus, 1) << thickness << ' ' << major << ' ' << noise;
+            }
+}
+
+// Everywhere nothing lies as near to a quadric as noise does.
+TEST(NoisyPowerCrust, ThinTubesOfEvenPointsAreNoNoise)
+{
+    for (const double noise : {0.0, 0.1})
+    {
+        const Points points = shapes::with_noise(shapes::even_torus(30, 1, 3), noise, 101);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        EXPECT_EQ(crust.components, 1) << noise;
+        EXPECT_EQ(crust.genus, 1) << noise;
+        EXPECT_FALSE(crust.denoised) << noise;
+        EXPECT_EQ(reconstruct_amls(points).genus, 1) << noise;
     }
 }
 

@@ -1,0 +1,22 @@
+#pragma once
+
+namespace recon
+{
+
+/// Tubes of even points, two or three spacings thick, leave residuals like noise everywhere and are lost where they are
+/// denoised. Their points as they are have a surface that violates next to no vote; raw ones of noisy clouds violate
+/// 0.025 of the votes and more. \param cleanness, is_doubtful see Cleanness::share(), Cleanness::is_doubtful(): noise
+/// leaves hardly half the cells long or neighbours flat. \param violated share of votes, of the denoised labels, 1 if
+/// nothing was inside [0..1]. \returns whether the cloud is worth a try as it is.
+inline bool may_be_tubes(double cleanness, bool is_doubtful, double violated)
+{
+    return cleanness > 0.6 && (is_doubtful || violated > 0.05);
+}
+
+/// \param violated_raw, violated shares of votes, of the labels of the points as they are and of the denoised ones.
+inline bool are_tubes(double violated_raw, double violated)
+{
+    return violated_raw < 0.004 && violated_raw <= 0.25 * violated;
+}
+
+} // namespace recon

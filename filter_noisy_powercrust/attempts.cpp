@@ -1,0 +1,113 @@
+#include "attempts.h"
+
+#include "filter_amls/sample_surface.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// Share of samples with long Voronoi cells up to which shared balls would hardly do, see share_poles().
+constexpr double well_sampled = 0.95;
+
+} // namespace
+
+LabelledCloud Attempts::prepare_and_label(Denoise denoise, double noise, const Progress& progress)
+{
+    SamplePreparationOptions chosen = options;
+    chosen.denoise = denoise;
+    chosen.noise = noise;
+    PreparedSamples cloud = prepare_samples(points, chosen, latest_, times, progress.part(0, 0.35, "preparation"));
+    noise_ = std::max(noise_, cloud.noise);
+    const BallLimit limit = limit_for(cloud);
+    return label(std::move(cloud), limit, progress.part(0.35, 1, "labels"));
+}
+
+LabelledCloud Attempts::label_fine(const Progress& progress)
+{
+    SamplePreparationOptions as_they_are = options;
+    as_they_are.denoise = Denoise::off;
+    return label_fine(prepare_samples(points, as_they_are, latest_, times, {}), progress);
+}
+
+LabelledCloud Attempts::label_fine(PreparedSamples cloud, const Progress& progress)
+{
+    if (cloud.outliers > cloud.isolated)
+        cloud.choose_frame(points_at(cloud.order, points), points);
+    cloud.samples = cloud.distinct;
+    cloud.normals.clear();
+    cloud.surface.reset();
+    if (cloud.denoised)
+        cloud.completion = {}; // on projected samples
+    cloud.denoised = cloud.is_noisy = false;
+    cloud.outliers = cloud.isolated;
+    return label(std::move(cloud), BallLimit::fine, progress);
+}
+
+LabelledCloud Attempts::label(PreparedSamples cloud, BallLimit limit, const Progress& progress)
+{
+    BallLabellingOptions labelling = options_for(cloud);
+    labelling.limit = limit;
+    LabelledCloud found = label_samples(std::move(cloud), labelling, times, progress);
+    is_sharing_disputed_ |=
+        found.cloud.denoised && labelling.sharing == BallSharing::undisputed && !found.labelled.is_shared;
+    return found;
+}
+
+TriangleMesh Attempts::extract(LabelledCloud& found)
+{
+    times.begin("mismatch");
+    return triangulate_polygons(found.list_polygons(labelling_.threads), labelling_.threads);
+}
+
+Judged Attempts::judge(LabelledCloud attempt)
+{
+    Judged result{std::move(attempt), {}};
+    result.mismatch = measure_mismatch(result.attempt.cloud.distinct, extract(result.attempt), labelling_.threads);
+    return result;
+}
+
+const AmlsSurface& Attempts::find_clean_surface(const PreparedSamples& cloud, const Progress& progress)
+{
+    times.begin("AMLS");
+    return latest_.find(points_at(cloud.order, points), options, progress);
+}
+
+Vectors Attempts::list_clean_normals(const PreparedSamples& cloud, const Progress& progress)
+{
+    const AmlsSurface& surface = find_clean_surface(cloud, progress.part(0, 0.6, "AMLS surface"));
+    return list_surface_normals(points_at(cloud.order, points), surface, options.threads,
+                                progress.part(0.6, 1, "normals"));
+}
+
+BallLabellingOptions Attempts::options_for(const PreparedSamples& cloud) const
+{
+    BallLabellingOptions result = labelling_;
+    result.ball_threshold /= cloud.frame.scale();
+    result.noise /= cloud.frame.scale();
+    result.noise_taken = noise_ / cloud.frame.scale();
+    // A denoised cloud is sampled evenly. The crust of a clean one goes through the samples afterwards, as it must,
+    // see share_poles().
+    if (cloud.denoised ? is_sharing_disputed_ : cloud.is_noisy || cloud.cleanness <= well_sampled)
+        result.sharing = BallSharing::none;
+    return result;
+}
+
+/// Of a clean cloud every ball counts, unless it is noisy in parts that the gate did not see.
+BallLimit Attempts::limit_for(const PreparedSamples& cloud) const
+{
+    const bool is_clean = !cloud.denoised && !cloud.is_noisy;
+    return is_clean && options.noise == 0 ? BallLimit::fewest_votes : BallLimit::local;
+}
+
+BallLabellingOptions Attempts::usual_options_for(const PreparedSamples& cloud) const
+{
+    BallLabellingOptions result = options_for(cloud);
+    result.limit = limit_for(cloud);
+    return result;
+}
+
+} // namespace recon
