@@ -38,6 +38,9 @@ constexpr double exact_whiteness = 0.15;
 /// spacing 0.051 to 0.091.
 constexpr double exact_roughness = 0.05;
 
+/// Share of the votes that thin tubes' denoised labels violate at least, where these are not made.
+constexpr double violated_by_tubes = 0.001;
+
 /// The distinct points, in spatial order as indices of the input, but for isolated ones.
 std::vector<int> list_without_isolated(const Points& points, const AmlsSurface::Data& data, int threads)
 {
@@ -222,7 +225,43 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
     return found;
 }
 
-/// Samples of the surface, or the points as they are where these are thin tubes'.
+/// The points as they are, if they are thin tubes'. \param violated share of votes that denoised labels violate.
+std::optional<LabelledSamples> label_tubes(const PointsAsTheyAre& as_they_are, double violated,
+                                           const BallLabellingOptions& labelling, PhaseTimes& times,
+                                           const Progress& progress)
+{
+    const Cleanness& cleanness = as_they_are.cleanness;
+    if (!may_be_tubes(cleanness.share(), cleanness.is_doubtful(), violated))
+        return {};
+    try
+    {
+        BallLabellingOptions options = labelling;
+        options.limit = BallLimit::fine;
+        LabelledBalls labelled =
+            label_polar_balls(as_they_are.distinct, {}, options, times, progress.part(0, 1, "points as they are"));
+        if (!are_tubes(labelled.violated_votes, violated))
+            return {};
+        LabelledSamples found{as_they_are.frame, as_they_are.distinct, std::move(labelled), as_they_are.isolated, true};
+        found.least_roughness = cleanness.least_roughness;
+        return found;
+    }
+    catch (const AlgorithmFailure&) // nothing is inside
+    {
+        return {};
+    }
+}
+
+/// The same where no denoised labels are made.
+std::optional<LabelledSamples> label_doubtful_tubes(const PointsAsTheyAre& as_they_are,
+                                                    const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                    const Progress& progress)
+{
+    if (!as_they_are.cleanness.is_doubtful())
+        return {};
+    return label_tubes(as_they_are, violated_by_tubes, labelling, times, progress);
+}
+
+/// Samples of the surface, or the points as they are, if they are thin tubes'.
 LabelledSamples label_surface_or_tubes(const PointsAsTheyAre& as_they_are, const Points& points,
                                        const AmlsSurface& surface, const BallLabellingOptions& labelling,
                                        PhaseTimes& times, const Progress& progress)
@@ -237,21 +276,9 @@ LabelledSamples label_surface_or_tubes(const PointsAsTheyAre& as_they_are, const
     {
         failure = std::current_exception();
     }
-    const double violated = found ? found->labelled.violated_votes : 1;
-    const Cleanness& cleanness = as_they_are.cleanness;
-    if (may_be_tubes(cleanness.share(), cleanness.is_doubtful(), violated))
-        try
-        {
-            BallLabellingOptions options = labelling;
-            options.limit = BallLimit::fine;
-            LabelledBalls labelled = label_polar_balls(as_they_are.distinct, {}, options, times,
-                                                       progress.part(0.7, 1, "points as they are"));
-            if (are_tubes(labelled.violated_votes, violated))
-                return {as_they_are.frame, as_they_are.distinct, std::move(labelled), as_they_are.isolated, true};
-        }
-        catch (const AlgorithmFailure&) // nor here
-        {
-        }
+    if (auto tubes = label_tubes(as_they_are, found ? found->labelled.violated_votes : 1, labelling, times,
+                                 progress.part(0.7, 1)))
+        return std::move(*tubes);
     if (failure)
         std::rethrow_exception(failure);
     return std::move(*found);
@@ -313,11 +340,22 @@ std::optional<LabelledSamples> label_only_exact_points(const Points& points, con
                                                        const Progress& progress)
 {
     times.begin("gate");
-    std::optional<LabelledSamples> exact = label_exact_points(PointsAsTheyAre(points, surface, labelling.threads),
-                                                              points, surface, labelling, times, progress.part(0, 0.5));
+    const PointsAsTheyAre as_they_are(points, surface, labelling.threads);
+    std::optional<LabelledSamples> exact =
+        label_exact_points(as_they_are, points, surface, labelling, times, progress.part(0, 0.5));
     if (exact)
         exact = label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
+    else
+        exact = label_doubtful_tubes(as_they_are, labelling, times, progress.part(0.5, 1));
     return exact && exact->is_exact ? std::move(exact) : std::nullopt;
+}
+
+std::optional<LabelledSamples> label_only_tubes(const Points& points, const AmlsSurface& surface,
+                                                const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                const Progress& progress)
+{
+    times.begin("gate");
+    return label_doubtful_tubes(PointsAsTheyAre(points, surface, labelling.threads), labelling, times, progress);
 }
 
 } // namespace recon

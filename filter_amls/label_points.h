@@ -42,4 +42,9 @@ std::optional<LabelledSamples> label_only_exact_points(const Points& points, con
                                                        const BallLabellingOptions& labelling, PhaseTimes& times,
                                                        const Progress& progress);
 
+/// The same, but none unless the points are thin tubes', see thin_tubes.h.
+std::optional<LabelledSamples> label_only_tubes(const Points& points, const AmlsSurface& surface,
+                                                const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                const Progress& progress);
+
 } // namespace recon

@@ -41,7 +41,9 @@ std::optional<ExactCrust> find_exact_crust(const Points& points, const AmlsSurfa
     Vectors normals;
     try
     {
-        found = label_only_exact_points(points, surface, options_for_labels(threads), times, progress.part(0, 0.8));
+        // An open cloud's crust has lids, and its sides are chosen for them. But lost tubes look open.
+        const auto label = surface.report().open ? label_only_tubes : label_only_exact_points;
+        found = label(points, surface, options_for_labels(threads), times, progress.part(0, 0.8));
         if (!found || found->labelled.violated_votes > trusted_votes)
             return {};
         normals = list_crust_normals(found->samples, found->labelled, threads, progress.part(0.8, 1, "crust")).normals;
@@ -70,8 +72,7 @@ OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& opt
     OutwardNormals result;
     result.surface = surface.report();
     result.normals = project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection")).normals;
-    // An open cloud's crust has lids, and its sides are chosen for them.
-    if (options.noise > 0 || result.surface.open)
+    if (options.noise > 0)
         return result;
     const auto crust = find_exact_crust(points, surface, resolve_threads(options.threads), progress.part(0.6, 1));
     if (!crust)

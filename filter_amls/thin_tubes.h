@@ -10,7 +10,7 @@ namespace recon
 /// nothing was inside [0..1]. \returns whether the cloud is worth a try as it is.
 inline bool may_be_tubes(double cleanness, bool is_doubtful, double violated)
 {
-    return cleanness > 0.6 && (is_doubtful || violated > 0.05);
+    return is_doubtful || (cleanness > 0.65 && violated > 0.004) || (cleanness > 0.6 && violated > 0.05);
 }
 
 /// \param violated_raw, violated shares of votes, of the labels of the points as they are and of the denoised ones.

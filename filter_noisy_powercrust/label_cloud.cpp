@@ -32,26 +32,27 @@ class CloudLabeller
 public:
     explicit CloudLabeller(Attempts& attempts) : attempts_(attempts) {}
 
-    /// As asked, or the points as they are where only those make a surface that they do not contradict.
+    /// As asked, or the points as they are, if they are thin tubes'.
     LabelledCloud make_first(const Progress& progress)
     {
+        const SamplePreparationOptions& options = attempts_.options;
+        const auto as_asked = [&](const Progress& part)
+        { return attempts_.prepare_and_label(options.denoise, options.noise, part); };
+        if (options.denoise != Denoise::automatic || options.noise > 0)
+            return as_asked(progress);
         std::optional<LabelledCloud> first;
         std::exception_ptr failure;
         try
         {
-            first =
-                attempts_.prepare_and_label(attempts_.options.denoise, attempts_.options.noise, progress.part(0, 0.8));
+            first = as_asked(progress.part(0, 0.8));
         }
-        catch (const AlgorithmFailure&)
+        catch (const AlgorithmFailure&) // nothing is inside
         {
             failure = std::current_exception();
         }
-        const bool is_asked = attempts_.options.denoise != Denoise::automatic || attempts_.options.noise > 0;
-        if (first && (is_asked || !may_be_tubes(*first)))
-            return std::move(*first);
-        if (!is_asked)
-            if (std::optional<LabelledCloud> exact = label_tubes(first, progress.part(0.8, 1, "points as they are")))
-                return std::move(*exact);
+        if (!first || may_be_tubes(*first))
+            if (std::optional<LabelledCloud> tubes = label_tubes(first, progress.part(0.8, 1, "points as they are")))
+                return std::move(*tubes);
         if (failure)
             std::rethrow_exception(failure);
         return std::move(*first);

@@ -54,13 +54,13 @@ struct Cleanness
     /// edges no quadric follows, residuals are less white: 0.41 to 0.5.
     bool is_hardly_noisy() const { return whiteness > 0.4 && is_rough_from(0.003); }
     bool is_rough_from(double least) const { return roughness > least && roughness < 0.45; }
-    /// Whether only the roughness says that a clean cloud is noisy, nearly everywhere [spacings]: clean coarse models
+    /// Whether only the roughness says that a cloud is noisy, nearly everywhere [spacings]: clean coarse models
     /// have 0.06 at most, clouds with one sample a spot 0.12 at a noise of 0.2. That can be thin tubes, but hardly thin
     /// walls, whose neighbours lie flat: 0.83 on casting, which reads as noise of 1.1 spacings, 0.77 to 0.84 on sheets
     /// one spacing thick, 0.68 to 0.74 at a noise of 0.2.
     bool is_doubtful() const
     {
-        return is_clean() && !is_smooth_but_noisy() && flat_neighbours < 0.75 && least_roughness > 0.11;
+        return share() > 0.6 && !is_smooth_but_noisy() && flat_neighbours < 0.75 && least_roughness > 0.11;
     }
     /// Whether some of it at least is noisy, the rest clean or less so: scans of several qualities merged. Coarse
     /// clouds look noisy in places, too, but nowhere smooth, or not side by side.
