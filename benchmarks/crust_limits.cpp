@@ -1,9 +1,9 @@
 // Where the noisy power crust stops working, on shapes of known topology: crust_limits <seed>
 // [sheet|gap|torus|rings|hole|fins]
-//   sheet: a plate of thickness t. gap: two balls whose surfaces are t apart. torus: tube of diameter t. rings: the same
-//   in rings of points, as vertices of a mesh lie. hole: a plate 3 spacings thick with 3 x 3 holes of diameter t. fins:
-//   eight on a base, walls and gaps t thick. t in spacings of the samples; noise in spacings too; 5 noisy samples a
-//   spot where there is noise, as in the grids. Prints "shape noise t right-of-trials".
+//   sheet: a plate of thickness t. gap: two balls whose surfaces are t apart. torus: tube of diameter t. rings: the
+//   same in rings of points, as vertices of a mesh lie. hole: a plate 3 spacings thick with 3 x 3 holes of diameter t.
+//   fins: eight on a base, walls and gaps t thick. t in spacings of the samples; noise in spacings too; 5 noisy samples
+//   a spot where there is noise, as in the grids. Prints "shape noise t right-of-trials".
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"

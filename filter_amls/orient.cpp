@@ -428,8 +428,9 @@ void turn_outward(const Points& points, const std::vector<double>& spacing, bool
                   const std::vector<char>& is_closed, Vectors& normals)
 {
     constexpr double flat = 0.1, clearly = 0.2;
+    constexpr std::size_t few = 50; // balls of fewer hardly tell the sides
     const double fullness = measure_fullness(points, spacing, is_closed, normals);
-    if (!is_open && fullness > -flat)
+    if (!is_open && points.size() >= few && fullness > -flat)
         return;
     const double facing = std::abs(fullness) < flat ? measure_facing(points, spacing, is_closed, normals) : 0;
     if ((std::abs(facing) > clearly ? facing : fullness) < 0)
