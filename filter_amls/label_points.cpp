@@ -15,7 +15,6 @@
 #include <recon/mismatch.h>
 
 #include <algorithm>
-#include <exception>
 #include <functional>
 
 namespace recon
@@ -261,29 +260,6 @@ std::optional<LabelledSamples> label_doubtful_tubes(const PointsAsTheyAre& as_th
     return label_tubes(as_they_are, violated_by_tubes, labelling, times, progress);
 }
 
-/// Samples of the surface, or the points as they are, if they are thin tubes'.
-LabelledSamples label_surface_or_tubes(const PointsAsTheyAre& as_they_are, const Points& points,
-                                       const AmlsSurface& surface, const BallLabellingOptions& labelling,
-                                       PhaseTimes& times, const Progress& progress)
-{
-    std::optional<LabelledSamples> found;
-    std::exception_ptr failure;
-    try
-    {
-        found = label_surface(points, surface, 0, labelling, times, progress.part(0, 0.7));
-    }
-    catch (const AlgorithmFailure&) // nothing is inside
-    {
-        failure = std::current_exception();
-    }
-    if (auto tubes = label_tubes(as_they_are, found ? found->labelled.violated_votes : 1, labelling, times,
-                                 progress.part(0.7, 1)))
-        return std::move(*tubes);
-    if (failure)
-        std::rethrow_exception(failure);
-    return std::move(*found);
-}
-
 /// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and
 /// that of the surface's samples does less: then these.
 LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& points, const AmlsSurface& surface,
@@ -332,7 +308,13 @@ LabelledSamples label_points(const Points& points, const AmlsSurface& surface, b
     if (std::optional<LabelledSamples> exact =
             label_exact_points(as_they_are, points, surface, labelling, times, progress.part(0, 0.5)))
         return label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
-    return label_surface_or_tubes(as_they_are, points, surface, labelling, times, progress.part(0.5, 1));
+    return label_unless_tubes([&]
+                              { return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 0.85)); },
+                              [&](const std::optional<LabelledSamples>& found)
+                              {
+                                  return label_tubes(as_they_are, found ? found->labelled.violated_votes : 1, labelling,
+                                                     times, progress.part(0.85, 1));
+                              });
 }
 
 std::optional<LabelledSamples> label_only_exact_points(const Points& points, const AmlsSurface& surface,

@@ -1,5 +1,12 @@
 #pragma once
 
+#include <recon/errors.h>
+#include <recon/mismatch.h>
+
+#include <exception>
+#include <optional>
+#include <utility>
+
 namespace recon
 {
 
@@ -10,13 +17,36 @@ namespace recon
 /// nothing was inside [0..1]. \returns whether the cloud is worth a try as it is.
 inline bool may_be_tubes(double cleanness, bool is_doubtful, double violated)
 {
-    return is_doubtful || (cleanness > 0.65 && violated > 0.004) || (cleanness > 0.6 && violated > 0.05);
+    return is_doubtful || (cleanness > 0.65 && violated > suspicious_votes) || (cleanness > 0.6 && violated > 0.05);
 }
 
 /// \param violated_raw, violated shares of votes, of the labels of the points as they are and of the denoised ones.
 inline bool are_tubes(double violated_raw, double violated)
 {
-    return violated_raw < 0.004 && violated_raw <= 0.25 * violated;
+    return violated_raw < suspicious_votes && violated_raw <= 0.25 * violated;
+}
+
+/// What `label` makes, or labels of thin tubes. \param label_tubes makes these, if there are any, from what `label`
+/// made: an optional, empty where nothing was inside. \throws AlgorithmFailure if nothing was, and no tubes were
+/// either.
+template <class Label, class LabelTubes>
+auto label_unless_tubes(const Label& label, const LabelTubes& label_tubes)
+{
+    std::optional<decltype(label())> labelled;
+    std::exception_ptr failure;
+    try
+    {
+        labelled = label();
+    }
+    catch (const AlgorithmFailure&)
+    {
+        failure = std::current_exception();
+    }
+    if (std::optional<decltype(label())> tubes = label_tubes(std::as_const(labelled)))
+        return std::move(*tubes);
+    if (failure)
+        std::rethrow_exception(failure);
+    return std::move(*labelled);
 }
 
 } // namespace recon

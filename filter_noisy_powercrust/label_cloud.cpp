@@ -13,7 +13,6 @@
 #include <recon/level_sheet.h>
 #include <recon/mismatch.h>
 
-#include <exception>
 #include <optional>
 #include <utility>
 
@@ -40,22 +39,9 @@ public:
         { return attempts_.prepare_and_label(options.denoise, options.noise, part); };
         if (options.denoise != Denoise::automatic || options.noise > 0)
             return as_asked(progress);
-        std::optional<LabelledCloud> first;
-        std::exception_ptr failure;
-        try
-        {
-            first = as_asked(progress.part(0, 0.8));
-        }
-        catch (const AlgorithmFailure&) // nothing is inside
-        {
-            failure = std::current_exception();
-        }
-        if (!first || may_be_tubes(*first))
-            if (std::optional<LabelledCloud> tubes = label_tubes(first, progress.part(0.8, 1, "points as they are")))
-                return std::move(*tubes);
-        if (failure)
-            std::rethrow_exception(failure);
-        return std::move(*first);
+        return label_unless_tubes([&] { return as_asked(progress.part(0, 0.8)); },
+                                  [&](const std::optional<LabelledCloud>& first)
+                                  { return label_tubes(first, progress.part(0.8, 1, "points as they are")); });
     }
 
     /// A clean cloud of thin walls, whose votes do not agree, with the normals of its AMLS surface.
@@ -177,6 +163,8 @@ private:
     /// The points as they are, if they are thin tubes'. \param first none if it failed.
     std::optional<LabelledCloud> label_tubes(const std::optional<LabelledCloud>& first, const Progress& progress)
     {
+        if (first && !may_be_tubes(*first))
+            return {};
         try
         {
             LabelledCloud exact = first ? attempts_.label_fine(first->cloud, progress) : attempts_.label_fine(progress);

@@ -3,11 +3,13 @@
 #include "hermite_surface.h"
 
 #include <recon/parallel.h>
+#include <recon/widest_turn.h>
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace recon::pn
 {
@@ -128,13 +130,8 @@ private:
             if (d.norm() < 3 * spacing_ && agreement > -same_side)
                 angles.push_back(std::atan2(d.dot(v), d.dot(u)));
         }
-        std::sort(angles.begin(), angles.end());
-        if (angles.size() < 3)
-            return s;
-        double widest = angles.front() + 2 * pi - angles.back();
-        for (std::size_t m = 1; m < angles.size(); ++m)
-            widest = std::max(widest, angles[m] - angles[m - 1]);
-        s.is_among_samples |= widest < surrounded;
+        if (angles.size() >= 3)
+            s.is_among_samples |= widest_turn(std::move(angles)) < surrounded;
         return s;
     }
 

@@ -116,9 +116,8 @@ private:
             const Vector d = point(j) - made.position;
             return std::abs(d.dot(normal(j))) <= largest_slope * d.norm();
         };
-        if (mouths_ && mouths_->hold(made.position, made.normal, usual))
-            return false;
-        return squared[0] > room * room * usual * usual && std::all_of(nearest, nearest + found, is_passed);
+        return squared[0] > room * room * usual * usual && std::all_of(nearest, nearest + found, is_passed) &&
+               !(mouths_ && mouths_->hold(made.position, made.normal, usual));
     }
 
     const UsableSamples& usable_;

@@ -157,11 +157,11 @@ SceneReport examine_ball_on_a_ground(const recon::TriangleMesh& mesh)
     return report;
 }
 
-double share_facing(const recon::Vectors& normals, const recon::Vectors& truth)
+double share_facing(const recon::Vectors& normals, const recon::Vectors& truth, double above)
 {
     int facing = 0;
     for (std::size_t i = 0; i < truth.size(); ++i)
-        facing += normals[i].dot(truth[i]) > 0;
+        facing += normals[i].dot(truth[i]) > above;
     return double(facing) / double(truth.size());
 }
 

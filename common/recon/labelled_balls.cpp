@@ -11,8 +11,7 @@
 #include <recon/signed_labelling.h>
 #include <recon/single_moves.h>
 #include <recon/spatial_order.h>
-
-#include <Eigen/Eigenvalues>
+#include <recon/tube_slices.h>
 
 #include <algorithm>
 #include <cmath>
@@ -322,58 +321,6 @@ double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samp
     return violated;
 }
 
-/// Whether samples lie on the ball all around, as rings of them on a slice of a tube.
-bool is_girded(const Ball& ball, const Points& free_samples, const std::vector<int>& on_ball)
-{
-    constexpr double quarter_turn = 1.6; // the most between two that follow each other [radians]
-    constexpr double polar = 0.7;        // sine of the latitude above which a sample says nothing of that
-    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-    for (const int i : on_ball)
-    {
-        const Vector d = free_samples[std::size_t(i)] - ball.centre;
-        spread += d * d.transpose();
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-    std::vector<double> angles;
-    for (const int i : on_ball)
-    {
-        const Vector d = axes.eigenvectors().transpose() * (free_samples[std::size_t(i)] - ball.centre);
-        if (std::abs(d[0]) < polar * d.norm())
-            angles.push_back(std::atan2(d[1], d[2]));
-    }
-    if (angles.empty())
-        return false;
-    std::sort(angles.begin(), angles.end());
-    double largest = angles.front() + 2 * EIGEN_PI - angles.back();
-    for (std::size_t k = 1; k < angles.size(); ++k)
-        largest = std::max(largest, angles[k] - angles[k - 1]);
-    return largest < quarter_turn;
-}
-
-/// Makes slices of thin tubes certain where many samples lie on one, as where these are the vertices of a grid: between
-/// two rings a tube is one ball, and which ring's samples vote for it rounding decides. Not those of bores: pinholes
-/// between walls look the same.
-void trust_slices_of_tubes(const LabelledBalls& balls, const std::vector<char>& is_small, const Points& free_samples,
-                           std::vector<double>& margins, int threads)
-{
-    constexpr int many = 8; // every ball touches four
-    constexpr double nearly_on = 1.05, certain_margin = 1;
-    const BlockSearch search(free_samples);
-    const auto trust = [&](std::size_t i)
-    {
-        const Ball& ball = balls.kept.balls[i];
-        const double reach = nearly_on * ball.radius;
-        if (balls.labels[i] == Side::outer || !is_small[i] || margins[i] >= ShortHandleOptions{}.highest_margin ||
-            !search.has_within(ball.centre, reach, many))
-            return;
-        thread_local std::vector<int> found;
-        search.within(ball.centre, reach, found);
-        if (is_girded(ball, free_samples, found))
-            margins[i] = certain_margin;
-    };
-    parallel_for(margins.size(), threads, {}, trust, 1024);
-}
-
 /// Drops doubtful balls, absorbs islands, removes doubtful and short handles.
 /// \param noise that was taken from the samples [length], 0 = not known.
 void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, const Vectors& normals, double noise,
@@ -388,7 +335,8 @@ void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, con
         is_small[i] = balls.kept.balls[i].radius < small_below * balls.scale[i];
         is_large[i] = balls.kept.balls[i].radius > balls.scale[i];
     }
-    trust_slices_of_tubes(balls, is_small, without_corners(samples), margins, threads);
+    trust_slices_of_tubes(balls.kept.balls, balls.labels, is_small, without_corners(samples),
+                          ShortHandleOptions{}.highest_margin, margins, threads);
     std::vector<int> doubtful;
     for (int i = 0; i < graph.nodes; ++i)
         if (is_small[i] && margins[i] < doubtful_below && !balls.kept.is_outside[i])

@@ -25,14 +25,6 @@ double mean_cosine(const Vectors& normals, const OrientedSamples& truth)
     return sum / double(normals.size());
 }
 
-double share_right(const Vectors& normals, const Vectors& truth)
-{
-    int right = 0;
-    for (std::size_t i = 0; i < normals.size(); ++i)
-        right += normals[i].dot(truth[i]) > 0.5;
-    return right / double(normals.size());
-}
-
 } // namespace
 
 TEST(OutwardNormals, ThinWallsOfExactPointsFaceOutwardOnBothSides)
@@ -138,7 +130,7 @@ TEST(OutwardNormals, OfThinRingsPointOutward)
         {
             const OrientedSamples ring = shapes::torus_of_rings(major, 1.5);
             const Vectors normals = find_outward_normals(shapes::with_noise(ring.points, noise, 101)).normals;
-            EXPECT_GT(share_right(normals, ring.normals), 0.99) << major << ' ' << noise;
+            EXPECT_GT(checks::share_facing(normals, ring.normals, 0.5), 0.99) << major << ' ' << noise;
         }
 }
 
@@ -149,7 +141,7 @@ TEST(OutwardNormals, OfThinTubesPointOutward)
     {
         const OrientedSamples ring = shapes::torus_of_rings(30, 1);
         const Vectors normals = find_outward_normals(shapes::with_noise(ring.points, noise, 101)).normals;
-        EXPECT_GT(share_right(normals, ring.normals), 0.99) << noise;
+        EXPECT_GT(checks::share_facing(normals, ring.normals, 0.5), 0.99) << noise;
     }
 }
 
