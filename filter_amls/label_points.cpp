@@ -88,8 +88,11 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
     Points samples = found.samples;
     Vectors all_normals = normals;
     const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
-    LabelledBalls backed = label_polar_balls(samples, all_normals, labelling, times, progress);
-    if (!has_ground && backed.violated_votes > clearly_backed * violated)
+    BallLabellingOptions fewer = labelling;
+    if (!has_ground)
+        fewer.most_violated = clearly_backed * violated;
+    LabelledBalls backed = label_polar_balls(samples, all_normals, fewer, times, progress);
+    if (backed.violated_votes > fewer.most_violated)
         return back_some();
     take(found, {std::move(samples), std::move(all_normals), std::move(backed), backs, has_ground ? 0 : lost.share});
 }
@@ -236,6 +239,7 @@ std::optional<LabelledSamples> label_tubes(const PointsAsTheyAre& as_they_are, d
     {
         BallLabellingOptions options = labelling;
         options.limit = BallLimit::fine;
+        options.most_violated = most_violated_by_tubes;
         LabelledBalls labelled =
             label_polar_balls(as_they_are.distinct, {}, options, times, progress.part(0, 1, "points as they are"));
         if (!are_tubes(labelled.violated_votes, violated))

@@ -141,14 +141,13 @@ bool open_lids(Attempt& attempt, const Points& points, const AmlsReconstructionO
                PhaseTimes& times, const Progress& progress)
 {
     LabelledSamples& found = attempt.found;
-    const double violated = found.labelled.violated_votes;
-    if (violated <= objecting_votes || found.labelled.is_shared || found.normals.empty())
+    if (found.labelled.violated_votes <= objecting_votes || found.labelled.is_shared || found.normals.empty())
         return false;
     const int threads = resolve_threads(options.threads);
     std::optional<LabelledBalls> opened =
         label_with_open_lids(found.samples, found.normals, found.labelled, options_for_labels(threads), times,
                              progress.part(0, 0.7, "open lids"));
-    if (!opened || opened->violated_votes >= clearly_fewer_votes * violated)
+    if (!opened)
         return false;
     found.labelled = std::move(*opened);
     attempt.is_opened = true;
@@ -180,6 +179,8 @@ std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstruc
         const TriangleMesh crust = crust_of(*last);
         if (!has_lids(*last, crust, threads))
             return last;
+        if (is_open_at_any_noise(first.found.labelled.violated_votes, last->found.labelled.violated_votes))
+            return {};
         if (measure_missed_points(last->found.frame.to_unit(points), crust, threads) >
             barely_less * before.missed_points)
             i = std::max(i, halvings - 1);

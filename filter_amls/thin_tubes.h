@@ -20,10 +20,13 @@ inline bool may_be_tubes(double cleanness, bool is_doubtful, double violated)
     return is_doubtful || (cleanness > 0.65 && violated > suspicious_votes) || (cleanness > 0.6 && violated > 0.05);
 }
 
+/// Share of votes that the labels of thin tubes' points as they are violate at most [0..1].
+inline constexpr double most_violated_by_tubes = suspicious_votes;
+
 /// \param violated_raw, violated shares of votes, of the labels of the points as they are and of the denoised ones.
 inline bool are_tubes(double violated_raw, double violated)
 {
-    return violated_raw < suspicious_votes && violated_raw <= 0.25 * violated;
+    return violated_raw <= most_violated_by_tubes && violated_raw <= 0.25 * violated;
 }
 
 /// What `label` makes, or labels of thin tubes. \param label_tubes makes these, if there are any, from what `label`

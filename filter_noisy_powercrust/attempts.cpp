@@ -26,14 +26,14 @@ LabelledCloud Attempts::prepare_and_label(Denoise denoise, double noise, const P
     return label(std::move(cloud), limit, progress.part(0.35, 1, "labels"));
 }
 
-LabelledCloud Attempts::label_fine(const Progress& progress)
+LabelledCloud Attempts::label_fine(double most_violated, const Progress& progress)
 {
     SamplePreparationOptions as_they_are = options;
     as_they_are.denoise = Denoise::off;
-    return label_fine(prepare_samples(points, as_they_are, latest_, times, {}), progress);
+    return label_fine(prepare_samples(points, as_they_are, latest_, times, {}), most_violated, progress);
 }
 
-LabelledCloud Attempts::label_fine(PreparedSamples cloud, const Progress& progress)
+LabelledCloud Attempts::label_fine(PreparedSamples cloud, double most_violated, const Progress& progress)
 {
     if (cloud.outliers > cloud.isolated)
         cloud.choose_frame(points_at(cloud.order, points), points);
@@ -44,13 +44,14 @@ LabelledCloud Attempts::label_fine(PreparedSamples cloud, const Progress& progre
         cloud.completion = {}; // on projected samples
     cloud.denoised = cloud.is_noisy = false;
     cloud.outliers = cloud.isolated;
-    return label(std::move(cloud), BallLimit::fine, progress);
+    return label(std::move(cloud), BallLimit::fine, progress, most_violated);
 }
 
-LabelledCloud Attempts::label(PreparedSamples cloud, BallLimit limit, const Progress& progress)
+LabelledCloud Attempts::label(PreparedSamples cloud, BallLimit limit, const Progress& progress, double most_violated)
 {
     BallLabellingOptions labelling = options_for(cloud);
     labelling.limit = limit;
+    labelling.most_violated = most_violated;
     LabelledCloud found = label_samples(std::move(cloud), labelling, times, progress);
     is_sharing_disputed_ |=
         found.cloud.denoised && labelling.sharing == BallSharing::undisputed && !found.labelled.is_shared;

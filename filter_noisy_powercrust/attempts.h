@@ -37,11 +37,11 @@ public:
 
     /// \param noise standard deviation [length], 0 = estimate.
     LabelledCloud prepare_and_label(Denoise denoise, double noise, const Progress& progress);
-    /// The points as they are, all balls kept by the spacing alone.
-    LabelledCloud label_fine(const Progress& progress);
+    /// The points as they are, all balls kept by the spacing alone. \param most_violated see BallLabellingOptions.
+    LabelledCloud label_fine(double most_violated, const Progress& progress);
     /// The same of the points of an earlier attempt.
-    LabelledCloud label_fine(PreparedSamples cloud, const Progress& progress);
-    LabelledCloud label(PreparedSamples cloud, BallLimit limit, const Progress& progress);
+    LabelledCloud label_fine(PreparedSamples cloud, double most_violated, const Progress& progress);
+    LabelledCloud label(PreparedSamples cloud, BallLimit limit, const Progress& progress, double most_violated = 1);
 
     TriangleMesh extract(LabelledCloud& found);
     Judged judge(LabelledCloud attempt);

@@ -167,7 +167,8 @@ private:
             return {};
         try
         {
-            LabelledCloud exact = first ? attempts_.label_fine(first->cloud, progress) : attempts_.label_fine(progress);
+            LabelledCloud exact = first ? attempts_.label_fine(first->cloud, most_violated_by_tubes, progress)
+                                        : attempts_.label_fine(most_violated_by_tubes, progress);
             if (are_tubes(exact.labelled.violated_votes, first ? first->labelled.violated_votes : 1))
                 return exact;
         }

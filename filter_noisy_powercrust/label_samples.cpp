@@ -119,7 +119,8 @@ LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& l
     const auto label = [&](const Points& samples, const Vectors& normals, double from, double to)
     { return label_polar_balls(samples, normals, labelling, times, progress.part(from, to, "polar balls")); };
     LabelledBalls plain = label(cloud.samples, cloud.normals, 0, 0.6);
-    if (cloud.denoised && (plain.violated_votes <= calm_votes || !(cloud.noise > 0)))
+    if (plain.violated_votes > labelling.most_violated ||
+        (cloud.denoised && (plain.violated_votes <= calm_votes || !(cloud.noise > 0))))
         return {std::move(cloud), std::move(plain)};
     // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they are.
     const double bearable = std::max(cloud.denoised ? 0 : certain_votes, clearly_fewer * plain.violated_votes);

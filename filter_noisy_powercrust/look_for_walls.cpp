@@ -110,10 +110,12 @@ private:
     /// \param highest_violation share of violated votes that the attempt must stay below.
     void try_fine_balls(Judged& best, double highest_violation, const Progress& progress)
     {
-        Judged fine = attempts_.judge(attempts_.label_fine(best.attempt.cloud, progress));
+        LabelledCloud labelled = attempts_.label_fine(best.attempt.cloud, highest_violation, progress);
+        if (labelled.labelled.violated_votes >= highest_violation)
+            return;
+        Judged fine = attempts_.judge(std::move(labelled));
         // Bare flats stay bare: there both are wrong, and the first less so.
-        if (fine.attempt.labelled.violated_votes < highest_violation &&
-            fine.mismatch.sum() < clearly_better * best.mismatch.sum())
+        if (fine.mismatch.sum() < clearly_better * best.mismatch.sum())
             best = std::move(fine);
     }
 
@@ -129,7 +131,8 @@ private:
     {
         const bool has_flats = best.attempt.completed > 0;
         const double share = has_flats ? found_again_beside_flats : found_again;
-        const double noise = best.attempt.cloud.noise, missed_before = best.mismatch.missed_points;
+        const double noise = best.attempt.cloud.noise, missed_before = best.mismatch.missed_points,
+                     violated_before = best.attempt.labelled.violated_votes;
         LessNoise last;
         for (int i = 1; i <= halvings && best.has_lids(); ++i)
         {
@@ -146,6 +149,8 @@ private:
                 best = std::move(finer);
             else
                 last.dropped = std::move(finer.attempt);
+            if (best.has_lids() && is_open_at_any_noise(violated_before, last.violated))
+                return {};
             if (missed > barely_less * missed_before)
                 i = std::max(i, halvings - 1);
         }
@@ -171,7 +176,6 @@ private:
     /// A cloud with all lids open.
     void try_open_lids(Judged& best, LabelledCloud open, const Progress& progress)
     {
-        const double violated = open.labelled.violated_votes;
         if (open.completed > 0)
             return;
         std::optional<LabelledBalls> labelled =
@@ -184,8 +188,7 @@ private:
         turn_normals(open);
         open.opened = true;
         Judged opened = attempts_.judge(std::move(open));
-        if (opened.attempt.labelled.violated_votes < clearly_fewer_votes * violated &&
-            opened.mismatch.sum() < clearly_better * best.mismatch.sum())
+        if (opened.mismatch.sum() < clearly_better * best.mismatch.sum())
             best = std::move(opened);
     }
 

@@ -235,8 +235,10 @@ std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Point
         return {};
     if (!oriented)
         normals.clear();
-    LabelledBalls backed = label_polar_balls(all, normals, options, times, progress.part(0.4, 1, "polar balls"));
-    if (backed.violated_votes > fewer_violated * labelled.violated_votes)
+    BallLabellingOptions fewer = options;
+    fewer.most_violated = fewer_violated * labelled.violated_votes;
+    LabelledBalls backed = label_polar_balls(all, normals, fewer, times, progress.part(0.4, 1, "polar balls"));
+    if (backed.violated_votes > fewer.most_violated)
         return {};
     times.begin("backs of sheets");
     const double left = measure_missed(lost, samples, backed, options.threads);

@@ -70,7 +70,9 @@ std::optional<LabelledBalls> label_with_open_lids(const Points& samples, const V
     options.opened = list_balls_under_lids(samples, labelled);
     if (options.opened.empty())
         return {};
-    return label_polar_balls(samples, normals, options, times, progress);
+    options.most_violated = clearly_fewer_votes * labelled.violated_votes;
+    LabelledBalls opened = label_polar_balls(samples, normals, options, times, progress);
+    return opened.violated_votes < options.most_violated ? std::optional(std::move(opened)) : std::nullopt;
 }
 
 } // namespace recon

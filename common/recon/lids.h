@@ -16,7 +16,15 @@ inline constexpr double objecting_votes = 0.02;
 /// noise.
 inline constexpr double clearly_fewer_votes = 0.65;
 
-/// What to tell users then.
+/// Whether an attempt with less noise says that no other will find walls: votes object to a scene as open as foliage
+/// whatever its noise, not to filled walls (0.004 of them, 0.03 beside flat faces). \param violated_before, violated
+/// shares of votes, of the attempt with the noise found and of this one.
+inline bool is_open_at_any_noise(double violated_before, double violated)
+{
+    return violated_before > objecting_votes && violated > clearly_fewer_votes * violated_before;
+}
+
+/// What to tell users where lids were opened.
 inline constexpr char opened_lids_text[] =
     "Walls are hardly thicker than the noise or the spacing. What they hold was left hollow, since the points object "
     "to filling it; the walls may have holes. Scan them more densely.";
@@ -25,8 +33,8 @@ inline constexpr char opened_lids_text[] =
 /// \param samples those that `labelled` was made of. \returns their numbers, ascending.
 std::vector<int> list_balls_under_lids(const Points& samples, const LabelledBalls& labelled);
 
-/// Labels with all lids open; none if there are none. \param samples, normals, options what `labelled` was made of, in
-/// which no balls were shared. \throws Cancelled.
+/// Labels with all lids open; none if there are none, or these do not violate clearly fewer votes. \param samples,
+/// normals, options what `labelled` was made of, in which no balls were shared. \throws Cancelled.
 std::optional<LabelledBalls> label_with_open_lids(const Points& samples, const Vectors& normals,
                                                   const LabelledBalls& labelled, BallLabellingOptions options,
                                                   PhaseTimes& times, const Progress& progress = {});
