@@ -1,7 +1,11 @@
 #include "sides_of_thin_walls.h"
 
 #include <recon/crust_mesh.h>
+#include <recon/median.h>
 #include <recon/mismatch.h>
+
+#include <cmath>
+#include <utility>
 
 namespace recon
 {
@@ -19,14 +23,26 @@ constexpr double different_sides = 0.09;
 /// Mean thickness below which the crust of an open cloud is wrapped around the noise of a sheet: 0.27 there, 2 and more
 /// of bodies so coarse that they read as open [spacings].
 constexpr double least_thickness = 0.6;
+/// Noise from which on walls that it does not bury are thick, and a crust through the points is in shreds, though these
+/// are so dense that a few neighbours do not show it. Both sides of a wall of two spacings have 1.4 if they read as
+/// one [spacings].
+constexpr double most_relative_noise = 2.5;
+
+double median_relative_noise(const Cells& cells)
+{
+    std::vector<double> noise;
+    for (const LocalScale& scale : cells.scales)
+        noise.push_back(scale.sigma * std::sqrt(scale.density));
+    return median(std::move(noise));
+}
 
 } // namespace
 
-std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& cell_normals,
-                                                const std::vector<int>& cell_of_point, double contradicted, bool open,
-                                                CrustOfPoints& of_points, int threads, const Progress& progress)
+std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Cells& cells, const Vectors& cell_normals,
+                                                double contradicted, bool open, CrustOfPoints& of_points, int threads,
+                                                const Progress& progress)
 {
-    if (contradicted <= mixed_sides)
+    if (contradicted <= mixed_sides || median_relative_noise(cells) > most_relative_noise)
         return {};
     const CrustOfPoints::Made* made = of_points.find(points, threads, progress);
     if (!made)
@@ -35,7 +51,7 @@ std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vect
     const double count = double(points.size());
     int different = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
-        different += crust.normals[i].dot(cell_normals[std::size_t(cell_of_point[i])]) < 0;
+        different += crust.normals[i].dot(cell_normals[std::size_t(cells.cell_of_point[i])]) < 0;
     if (crust.missed > missed_share * count || different <= different_sides * count)
         return {};
     if (open && (measure_thickness(crust.crust) < least_thickness * made->labelled.spacing ||

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cells.h"
 #include "crust_of_points.h"
 
 #include <recon/geometry.h>
@@ -15,10 +16,10 @@ namespace recon
 /// crust through the points as they are. None where the ties between anchors hardly contradict each other, where the
 /// points are too noisy for such a crust, where it contradicts them or has filled the walls, or where both tell the
 /// same but for a few points; of points that read as an open sheet also where it has lids. \param points distinct, in
-/// the unit frame and spatial order. \param cell_normals, cell_of_point of the cells. \param contradicted, open see
+/// the unit frame and spatial order. \param cells, cell_normals of these points. \param contradicted, open see
 /// Orientation. \param of_points is asked where it is needed. \throws Cancelled.
-std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Vectors& cell_normals,
-                                                const std::vector<int>& cell_of_point, double contradicted, bool open,
-                                                CrustOfPoints& of_points, int threads, const Progress& progress = {});
+std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Cells& cells, const Vectors& cell_normals,
+                                                double contradicted, bool open, CrustOfPoints& of_points, int threads,
+                                                const Progress& progress = {});
 
 } // namespace recon

@@ -152,8 +152,8 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
         return orientation;
     }
     orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
-    if (const auto better = find_sides_of_thin_walls(data.points, normals.normals, data.cells.cell_of_point,
-                                                     orientation.contradicted, orientation.open, *data.crust, threads,
+    if (const auto better = find_sides_of_thin_walls(data.points, data.cells, normals.normals, orientation.contradicted,
+                                                     orientation.open, *data.crust, threads,
                                                      progress.part(0.5, 1, "Sides of thin walls")))
     {
         orient_by_given(data.cells, *better, normals.normals);

@@ -97,10 +97,9 @@ public:
     {
         if (found.completed > 0)
             return found;
-        const int threads = attempts_.threads();
         // Where lids were opened the poles were sought along normals that have been turned since.
-        LostSheets lost =
-            find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened, threads);
+        LostSheets lost = find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened,
+                                           attempts_.threads());
         const bool has_ground = add_ground(found.cloud, lost);
         if (is_open(found.cloud) && !has_ground && !found.opened && attempts_.points.size() <= most_points_twice)
             if (std::optional<BackedSheets> sheet =
@@ -124,32 +123,19 @@ public:
             found.lost_sheets = lost.share;
         if (attempts_.options.denoise == Denoise::off || attempts_.points.size() > most_points_twice)
             return found;
-        const LostSheets lost_before = lost;
-        PreparedSamples backed = found.cloud;
-        if (!backed.denoised)
-        {
-            LabelledCloud oriented =
-                attempts_.prepare_and_label(Denoise::on, attempts_.options.noise, progress.part(0, 0.5, "normals"));
-            if (!oriented.cloud.denoised || oriented.completed > 0)
-                return found;
-            lost = find_lost_sheets(oriented.cloud.samples, oriented.labelled, true, threads);
-            backed = std::move(oriented.cloud);
-        }
-        const int backs = back_sheets(lost, backed.samples, backed.normals, threads);
-        LabelledCloud slabs =
-            attempts_.label(std::move(backed), BallLimit::local, progress.part(0.5, 1, "backs of sheets"));
-        slabs.backs = backs;
-        slabs.lost_sheets = lost.share;
-        const bool has_fewer_violated = slabs.labelled.violated_votes <= clearly_backed * violated;
+        std::optional<LabelledCloud> slabs = label_slabs(found, lost, progress);
+        if (!slabs)
+            return found;
+        const bool has_fewer_violated = slabs->labelled.violated_votes <= clearly_backed * violated;
         const double most_handles = has_fewer_violated ? handles : whole_again * handles;
         // Between a ground's samples are cracks rather than handles.
         const bool votes_alone = has_ground || (!is_lace && violated > flooded_above);
         const bool is_better =
             (has_fewer_violated || (is_lace && !has_ground)) &&
-            (votes_alone || measure_closed_topology(attempts_.extract(slabs)).genus() <= most_handles);
+            (votes_alone || measure_closed_topology(attempts_.extract(*slabs)).genus() <= most_handles);
         if (is_better)
-            return slabs;
-        return is_whole_otherwise ? back_some_sheets(std::move(found), lost_before, progress) : std::move(found);
+            return std::move(*slabs);
+        return is_whole_otherwise ? back_some_sheets(std::move(found), lost, progress) : std::move(found);
     }
 
 private:
@@ -176,6 +162,27 @@ private:
         {
         }
         return {};
+    }
+
+    /// With backs behind all lost sheets, of samples that have normals. None if they get none.
+    std::optional<LabelledCloud> label_slabs(const LabelledCloud& found, LostSheets lost, const Progress& progress)
+    {
+        PreparedSamples backed = found.cloud;
+        if (!backed.denoised)
+        {
+            LabelledCloud oriented =
+                attempts_.prepare_and_label(Denoise::on, attempts_.options.noise, progress.part(0, 0.5, "normals"));
+            if (!oriented.cloud.denoised || oriented.completed > 0)
+                return {};
+            lost = find_lost_sheets(oriented.cloud.samples, oriented.labelled, true, attempts_.threads());
+            backed = std::move(oriented.cloud);
+        }
+        const int backs = back_sheets(lost, backed.samples, backed.normals, attempts_.threads());
+        LabelledCloud slabs =
+            attempts_.label(std::move(backed), BallLimit::local, progress.part(0.5, 1, "backs of sheets"));
+        slabs.backs = backs;
+        slabs.lost_sheets = lost.share;
+        return slabs;
     }
 
     /// A clean cloud that is an open sheet, with a back where it needs one.

@@ -51,30 +51,33 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
         result.warnings.push_back(text);
 }
 
-} // namespace
-
-NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options,
-                                              const Progress& progress)
+SamplePreparationOptions options_for_samples(const NoisyPowerCrustOptions& options)
 {
-    check(options);
-    NoisyPowerCrust result;
-    PhaseTimes times;
-    SamplePreparationOptions preparation;
-    preparation.denoise = options.denoise;
-    preparation.noise = options.noise;
-    preparation.needs_surface = options.smooth;
-    preparation.threads = options.threads;
-    BallLabellingOptions labelling;
-    labelling.ball_threshold = options.ball_threshold;
-    labelling.noise = options.noise;
-    labelling.deep_intersection = options.deep_intersection;
+    SamplePreparationOptions result;
+    result.denoise = options.denoise;
+    result.noise = options.noise;
+    result.needs_surface = options.smooth;
+    result.threads = options.threads;
+    return result;
+}
+
+BallLabellingOptions options_for_balls(const NoisyPowerCrustOptions& options)
+{
+    BallLabellingOptions result;
+    result.ball_threshold = options.ball_threshold;
+    result.noise = options.noise;
+    result.deep_intersection = options.deep_intersection;
     if (options.simplify && options.ball_threshold == 0)
-        labelling.sharing = BallSharing::undisputed;
-    labelling.threads = resolve_threads(options.threads);
-    LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.75, "crust"));
+        result.sharing = BallSharing::undisputed;
+    result.threads = resolve_threads(options.threads);
+    return result;
+}
+
+/// \throws AlgorithmFailure if a threshold of the user's left no labels worth the name.
+void report_labels(const LabelledCloud& found, const NoisyPowerCrustOptions& options, NoisyPowerCrust& result)
+{
     const PreparedSamples& cloud = found.cloud;
     const LabelledBalls& labelled = found.labelled;
-    const UnitFrame& frame = cloud.frame;
     result.points_used = int(cloud.distinct.size());
     result.samples = int(cloud.samples.size());
     result.completed = found.completed;
@@ -84,69 +87,104 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     result.noise = cloud.noise;
     result.balls_kept = int(labelled.kept.balls.size());
     result.violated_votes = labelled.violated_votes;
-    result.spacing = labelled.spacing * frame.scale();
+    result.spacing = labelled.spacing * cloud.frame.scale();
     double smallest = labelled.kept.balls.front().radius;
     for (const Ball& ball : labelled.kept.balls)
         smallest = std::min(smallest, ball.radius);
-    result.smallest_ball = smallest * frame.scale();
-
+    result.smallest_ball = smallest * cloud.frame.scale();
     if (options.ball_threshold > 0 && result.violated_votes > 0.5)
         throw AlgorithmFailure(
             "With this ball_threshold hardly any polar ball inside the surface is left: most points contradict "
             "what remains. Lower ball_threshold, or set it to 0 (automatic).");
+}
 
+/// The crust, closed, in the frame of its samples. \param result gets the mesh and its vertices on edges.
+DroppedBodies make_surface(LabelledCloud& found, const NoisyPowerCrustOptions& options, NoisyPowerCrust& result,
+                           PhaseTimes& times, const Progress& progress)
+{
+    const PreparedSamples& cloud = found.cloud;
     times.begin("crust");
     CrustOptions crust;
     crust.keep_components = options.keep_components;
     crust.simplify = options.simplify;
-    crust.target_vertices = result.samples;
+    crust.target_vertices = int(cloud.samples.size());
     // Clean samples lie on the surface, denoised ones on the AMLS surface.
     const bool through_samples = options.simplify && (cloud.denoised ? options.smooth : !cloud.is_noisy);
     if (through_samples)
         crust.interpolated = &cloud.samples;
-    crust.threads = labelling.threads;
+    crust.threads = resolve_threads(options.threads);
     TriangleMesh& mesh = result.mesh;
     DroppedBodies dropped;
-    mesh = make_crust(std::move(found.list_polygons(crust.threads)), labelled, crust, progress.part(0.75, 0.9, "crust"),
-                      &dropped);
+    mesh = make_crust(std::move(found.list_polygons(crust.threads)), found.labelled, crust,
+                      progress.part(0, 0.75, "crust"), &dropped);
     if (options.smooth && cloud.surface && !through_samples)
     {
         times.begin("smooth");
-        frame.from_unit_in_place(mesh.vertices);
-        smooth_mesh(mesh, *cloud.surface, options.threads, progress.part(0.9, 0.95, "smoothing"));
-        mesh.vertices = frame.to_unit(mesh.vertices);
+        cloud.frame.from_unit_in_place(mesh.vertices);
+        smooth_mesh(mesh, *cloud.surface, options.threads, progress.part(0.75, 1, "smoothing"));
+        mesh.vertices = cloud.frame.to_unit(mesh.vertices);
     }
     if (cloud.denoised && through_samples)
     {
         times.begin("edges");
-        result.edge_vertices = restore_sharp_edges(mesh, points_at(cloud.claimed, cloud.distinct), labelling.threads,
-                                                   progress.part(0.9, 0.95, "sharp edges"));
+        result.edge_vertices = restore_sharp_edges(mesh, points_at(cloud.claimed, cloud.distinct), crust.threads,
+                                                   progress.part(0.75, 1, "sharp edges"));
     }
     if (options.smooth)
     {
         times.begin("closing");
-        draw_bare_faces_taut(mesh, cloud.samples, labelling.threads);
+        draw_bare_faces_taut(mesh, cloud.samples, crust.threads);
     }
-    times.begin("finish");
+    return dropped;
+}
+
+/// What was asked to be open is opened. \throws AlgorithmFailure if nothing is left.
+void open_surface(TriangleMesh& mesh, const LabelledCloud& found, const NoisyPowerCrustOptions& options,
+                  const Progress& progress)
+{
+    const PreparedSamples& cloud = found.cloud;
+    const int threads = resolve_threads(options.threads);
     if (options.trim_length > 0)
-        trim_by_length(mesh, cloud.distinct, options.trim_length / frame.scale(), labelling.threads,
-                       progress.part(0.95, 0.97, "trimming"));
+        trim_by_length(mesh, cloud.distinct, options.trim_length / cloud.frame.scale(), threads,
+                       progress.part(0, 1, "trimming"));
     else if (options.open_holes)
-        open_holes(mesh, cloud.samples, found.backs, labelling.threads, progress.part(0.95, 0.97, "holes"));
+        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"));
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
-    const NearestSamples nearest = find_nearest_samples(mesh.vertices, cloud.distinct, labelling.threads,
-                                                        progress.part(0.97, 1, "nearest points"));
-    for (const int sample : nearest.sample)
-        result.nearest_sample.push_back(cloud.order[sample]);
+}
+
+void report_topology(const NoisyPowerCrustOptions& options, NoisyPowerCrust& result)
+{
     const bool is_closed = !options.open_holes && options.trim_length == 0;
-    const Topology topology = is_closed ? measure_closed_topology(mesh) : measure_topology(mesh);
+    const Topology topology = is_closed ? measure_closed_topology(result.mesh) : measure_topology(result.mesh);
     result.components = topology.components;
     result.boundary_loops = topology.boundary_loops;
     result.euler_characteristic = topology.euler_characteristic;
     result.genus = topology.genus();
-    frame.from_unit_in_place(mesh.vertices);
+}
+
+} // namespace
+
+NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options,
+                                              const Progress& progress)
+{
+    check(options);
+    NoisyPowerCrust result;
+    PhaseTimes times;
+    const BallLabellingOptions labelling = options_for_balls(options);
+    LabelledCloud found =
+        label_cloud(points, options_for_samples(options), labelling, times, progress.part(0, 0.75, "crust"));
+    report_labels(found, options, result);
+    const DroppedBodies dropped = make_surface(found, options, result, times, progress.part(0.75, 0.95));
+    times.begin("finish");
+    open_surface(result.mesh, found, options, progress.part(0.95, 0.97));
+    const NearestSamples nearest = find_nearest_samples(result.mesh.vertices, found.cloud.distinct, labelling.threads,
+                                                        progress.part(0.97, 1, "nearest points"));
+    for (const int sample : nearest.sample)
+        result.nearest_sample.push_back(found.cloud.order[sample]);
+    report_topology(options, result);
+    found.cloud.frame.from_unit_in_place(result.mesh.vertices);
     warn(result, dropped, found, options.denoise, points.size());
     times.end();
     result.seconds = times.seconds();

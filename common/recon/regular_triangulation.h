@@ -49,6 +49,14 @@ private:
         int facet;         ///< Position in `hull`.
     };
 
+    /// Cells by their lowest vertex, finite ones first, infinite ones by their lowest finite vertex after them; within
+    /// a bucket in any order.
+    struct Buckets
+    {
+        std::vector<int> first; ///< Per bucket, twice as many as points; one more ends them.
+        std::vector<int> cells;
+    };
+
     /// What one thread works with.
     struct Worker
     {
@@ -102,6 +110,10 @@ private:
         return (c.vertices[0] | c.vertices[1] | c.vertices[2] | c.vertices[3]) < 0;
     }
     Cell name_vertices(Cell cell) const;
+    /// \param n points.
+    Buckets sort_into_buckets(std::size_t n, int threads) const;
+    /// Fills `flat.cells`; their neighbours keep the numbers of before. \returns position in `flat` per number.
+    std::vector<int> name_cells(const Buckets& buckets, Triangulation& flat, int threads) const;
     int find_orientation_with(const Cell& c, int position, int site) const;
     bool is_in_conflict(const Cell& c, int site) const;
     bool is_in_perturbed_conflict(const Cell& c, int site) const;

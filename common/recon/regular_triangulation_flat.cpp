@@ -10,6 +10,12 @@
 
 namespace recon
 {
+namespace
+{
+
+constexpr std::size_t grain = 8192; ///< Cells or buckets a thread takes at a time.
+
+} // namespace
 
 /// The cell with indices of points for vertices, in ascending order but for the last two.
 RegularTriangulation::Cell RegularTriangulation::name_vertices(Cell cell) const
@@ -31,14 +37,8 @@ RegularTriangulation::Cell RegularTriangulation::name_vertices(Cell cell) const
     return cell;
 }
 
-Triangulation RegularTriangulation::flatten(const Points& points, const std::vector<double>& weights, int threads) &&
+RegularTriangulation::Buckets RegularTriangulation::sort_into_buckets(std::size_t n, int threads) const
 {
-    marks_ = {};
-    owners_.reset();
-    serial_ = {};
-    constexpr std::size_t grain = 8192;
-    const std::size_t n = points.size();
-    // Buckets by the lowest vertex, finite cells first, infinite ones by their lowest finite vertex after them.
     std::vector<int> bucket(used_);
     parallel_for(
         bucket.size(), threads, {},
@@ -54,58 +54,59 @@ Triangulation RegularTriangulation::flatten(const Points& points, const std::vec
             bucket[i] = is_infinite(cells_[i]) ? int(n) + lowest : lowest;
         },
         grain);
-    std::vector<int> first(2 * n + 1, 0);
+    Buckets result;
+    result.first.assign(2 * n + 1, 0);
     parallel_for(
         bucket.size(), threads, {},
         [&](std::size_t i)
         {
             if (bucket[i] != none)
-                fetch_add(first[bucket[i] + 1], 1);
+                fetch_add(result.first[bucket[i] + 1], 1);
         },
         grain);
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<int> order(first.back()), position(used_);
-    std::vector<int> next(first.begin(), first.end() - 1);
-    // In any order: each bucket is sorted below.
+    std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
+    result.cells.resize(result.first.back());
+    std::vector<int> next(result.first.begin(), result.first.end() - 1);
     parallel_for(
         bucket.size(), threads, {},
         [&](std::size_t i)
         {
             if (bucket[i] != none)
-                order[fetch_add(next[bucket[i]], 1)] = int(i);
+                result.cells[fetch_add(next[bucket[i]], 1)] = int(i);
         },
         grain);
+    return result;
+}
 
-    bucket = {};
-    next = {};
-
-    Triangulation flat;
-    flat.finite_cells = first[n];
-    flat.cells.resize(order.size());
-    parallel_chunks(2 * n, threads, grain, {},
+std::vector<int> RegularTriangulation::name_cells(const Buckets& buckets, Triangulation& flat, int threads) const
+{
+    struct Named
+    {
+        Cell cell;
+        int number;
+    };
+    flat.cells.resize(buckets.cells.size());
+    std::vector<int> position(used_);
+    parallel_chunks(buckets.first.size() - 1, threads, grain, {},
                     [&](std::size_t begin, std::size_t end)
                     {
-                        struct Named
-                        {
-                            Cell cell;
-                            int number;
-                        };
                         std::vector<Named> in_bucket;
                         for (std::size_t b = begin; b < end; ++b)
                         {
                             in_bucket.clear();
-                            for (int k = first[b]; k < first[b + 1]; ++k)
+                            for (int k = buckets.first[b]; k < buckets.first[b + 1]; ++k)
                             {
                                 // They lie where the insertion has put them: without this, half the time goes in
                                 // waiting for memory.
                                 constexpr int ahead = 24;
-                                if (k + ahead < int(order.size()))
-                                    __builtin_prefetch(&cells_[order[k + ahead]]);
-                                in_bucket.push_back({name_vertices(cells_[order[k]]), order[k]});
+                                if (k + ahead < int(buckets.cells.size()))
+                                    __builtin_prefetch(&cells_[buckets.cells[k + ahead]]);
+                                const int number = buckets.cells[k];
+                                in_bucket.push_back({name_vertices(cells_[number]), number});
                             }
                             std::sort(in_bucket.begin(), in_bucket.end(),
                                       [](const Named& p, const Named& q) { return p.cell.vertices < q.cell.vertices; });
-                            int k = first[b];
+                            int k = buckets.first[b];
                             for (const Named& named : in_bucket)
                             {
                                 flat.cells[k] = named.cell;
@@ -113,12 +114,25 @@ Triangulation RegularTriangulation::flatten(const Points& points, const std::vec
                             }
                         }
                     });
+    return position;
+}
+
+Triangulation RegularTriangulation::flatten(const Points& points, const std::vector<double>& weights, int threads) &&
+{
+    marks_ = {};
+    owners_.reset();
+    serial_ = {};
+    Triangulation flat;
+    std::vector<int> position;
+    {
+        const Buckets buckets = sort_into_buckets(points.size(), threads);
+        flat.finite_cells = buckets.first[points.size()];
+        position = name_cells(buckets, flat, threads);
+    }
     cells_.reset();
-    const std::size_t count = order.size();
-    order = {};
     flat.centres.resize(std::size_t(flat.finite_cells));
     parallel_for(
-        count, threads, {},
+        flat.cells.size(), threads, {},
         [&](std::size_t k)
         {
             for (int& neighbour : flat.cells[k].neighbours)

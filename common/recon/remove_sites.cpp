@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace recon
@@ -146,8 +147,35 @@ private:
         return at != hull_.end() && at->facet == facet ? &*at : nullptr;
     }
 
+    /// Delaunay cells of the star's own vertices, and which of them fill the hole.
+    struct Filling
+    {
+        Triangulation local;
+        std::vector<int> inside; ///< Cells of `local`, ascending.
+        std::vector<std::array<const Facet*, 4>>
+            hulls; ///< Per cell of `local`, if it is inside: its facets on the hull.
+    };
+
     /// Replaces the star of v.
     Outcome fill(int v)
+    {
+        std::sort(star_.begin(), star_.end());
+        const std::optional<Filling> filling = find_filling();
+        if (!filling)
+            return Outcome::failed;
+        if (filling->inside.size() > star_.size() + gaps_.size())
+        {
+            for (const int c : star_)
+                mark_[c] = none;
+            return Outcome::out_of_cells;
+        }
+        join(*filling, take_places(*filling));
+        cell_of_[v] = none;
+        return Outcome::removed;
+    }
+
+    /// None if the hull of the hole is not among the facets of the cells.
+    std::optional<Filling> find_filling() const
     {
         // In the order of the indices, on which ties depend.
         Points points;
@@ -159,81 +187,85 @@ private:
         }
         std::vector<int> all(link_.size());
         std::iota(all.begin(), all.end(), 0);
-        const Triangulation local = RegularTriangulation(points, weights, all, 1, {}).flatten(points, weights, 1);
-        const auto facet_of = [&](int c, int i)
+        Filling filling{RegularTriangulation(points, weights, all, 1, {}).flatten(points, weights, 1), {}, {}};
+        const Triangulation& local = filling.local;
+        const auto find_hull = [&](int c, int i)
         {
             std::array<int, 4> vertices = local.cells[c].vertices;
             for (int& w : vertices)
                 w = w == Triangulation::infinite ? w : link_[w];
-            return facet_opposite(vertices, i);
+            return find_on_hull(facet_opposite(vertices, i));
         };
 
-        // The cells inside, from one at the hull: the flood stops there.
-        std::vector<int> inside;
-        std::vector<int> number(local.cells.size(), none);
-        std::vector<std::array<const Facet*, 4>> hull_of(local.cells.size());
+        // From a cell at the hull: the flood stops there.
+        std::vector<int>& inside = filling.inside;
+        std::vector<char> is_inside(local.cells.size(), 0);
+        filling.hulls.resize(local.cells.size());
         const auto visit = [&](int c)
         {
-            if (number[c] != none)
+            if (is_inside[c])
                 return;
-            number[c] = int(inside.size());
+            is_inside[c] = 1;
             inside.push_back(c);
         };
         for (int c = 0; c < local.finite_cells && inside.empty(); ++c)
             for (int i = 0; i < 4; ++i)
-                if (find_on_hull(facet_of(c, i)) != nullptr)
+                if (find_hull(c, i) != nullptr)
                     visit(c);
+        std::size_t facets = 0;
         for (std::size_t k = 0; k < inside.size(); ++k)
             for (int i = 0; i < 4; ++i)
             {
                 const int c = inside[k];
                 if (!local.is_finite(c))
-                    return Outcome::failed;
-                hull_of[c][i] = find_on_hull(facet_of(c, i));
-                if (hull_of[c][i] == nullptr)
+                    return {};
+                const Facet* hull = filling.hulls[c][i] = find_hull(c, i);
+                if (hull != nullptr)
+                    ++facets;
+                else
                     visit(local.cells[c].neighbours[i]);
             }
         std::sort(inside.begin(), inside.end());
+        return facets == hull_.size() ? std::optional(std::move(filling)) : std::nullopt;
+    }
 
-        std::sort(star_.begin(), star_.end());
-        std::size_t facets = 0;
-        for (const int c : inside)
-            facets +=
-                std::size_t(std::count_if(hull_of[c].begin(), hull_of[c].end(), [](auto* f) { return f != nullptr; }));
-        if (facets != hull_.size())
-            return Outcome::failed;
-        if (inside.size() > star_.size() + gaps_.size())
+    /// Numbers for the cells inside, as per cell of `local`: those of the star, then gaps; what is left becomes gaps.
+    std::vector<int> take_places(const Filling& filling)
+    {
+        std::vector<int> place(filling.local.cells.size(), none);
+        for (std::size_t k = 0; k < filling.inside.size(); ++k)
         {
-            for (const int c : star_)
-                mark_[c] = none;
-            return Outcome::out_of_cells;
-        }
-        for (std::size_t k = 0; k < inside.size(); ++k)
-        {
-            int& place = number[inside[k]];
+            int& own = place[filling.inside[k]];
             if (k < star_.size())
-                place = star_[k];
+                own = star_[k];
             else
             {
-                place = gaps_.back();
+                own = gaps_.back();
                 gaps_.pop_back();
             }
         }
-        for (std::size_t k = inside.size(); k < star_.size(); ++k)
+        for (std::size_t k = filling.inside.size(); k < star_.size(); ++k)
             gaps_.push_back(star_[k]);
+        return place;
+    }
+
+    /// \param place per cell of `local`.
+    void join(const Filling& filling, const std::vector<int>& place)
+    {
         // Neighbours outside learn of the new cells only after all have been asked.
-        for (const int c : inside)
+        for (const int c : filling.inside)
         {
-            Triangulation::Cell& cell = t_.cells[number[c]];
-            t_.centres[number[c]] = local.centres[c];
-            mark_[number[c]] = none;
+            const Triangulation::Cell& from = filling.local.cells[c];
+            Triangulation::Cell& cell = t_.cells[place[c]];
+            t_.centres[place[c]] = filling.local.centres[c];
+            mark_[place[c]] = none;
             for (int i = 0; i < 4; ++i)
             {
-                cell.vertices[i] = link_[local.cells[c].vertices[i]];
+                cell.vertices[i] = link_[from.vertices[i]];
                 if (cell_of_[cell.vertices[i]] != none)
-                    cell_of_[cell.vertices[i]] = number[c];
-                const Facet* hull = hull_of[c][i];
-                cell.neighbours[i] = hull != nullptr ? hull->outside : number[local.cells[c].neighbours[i]];
+                    cell_of_[cell.vertices[i]] = place[c];
+                const Facet* hull = filling.hulls[c][i];
+                cell.neighbours[i] = hull != nullptr ? hull->outside : place[from.neighbours[i]];
                 if (hull == nullptr)
                     continue;
                 // A cell outside may touch the hole with several facets: the vertex across tells which.
@@ -241,11 +273,9 @@ private:
                 for (int k = 0; k < 4; ++k)
                     if (std::find(hull->facet.vertices.begin(), hull->facet.vertices.end(), beside.vertices[k]) ==
                         hull->facet.vertices.end())
-                        beside.neighbours[k] = number[c];
+                        beside.neighbours[k] = place[c];
             }
         }
-        cell_of_[v] = none;
-        return Outcome::removed;
     }
 
     Triangulation& t_;
