@@ -28,11 +28,12 @@ constexpr double least_thickness = 0.6;
 /// one [spacings].
 constexpr double most_relative_noise = 2.5;
 
+/// Over the points.
 double median_relative_noise(const Cells& cells)
 {
     std::vector<double> noise;
-    for (const LocalScale& scale : cells.scales)
-        noise.push_back(scale.sigma * std::sqrt(scale.density));
+    for (const int c : cells.cell_of_point)
+        noise.push_back(cells.scales[std::size_t(c)].sigma * std::sqrt(cells.scales[std::size_t(c)].density));
     return median(std::move(noise));
 }
 

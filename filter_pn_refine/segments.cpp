@@ -81,6 +81,9 @@ std::vector<Segment> find_boundary_segments(const UsableSamples& usable, const I
     return segments;
 }
 
+namespace
+{
+
 /// Links of splats per pair of positions (the lower first), both ways into one key.
 using SplatLinks = std::map<std::pair<int, int>, std::vector<std::array<int, 2>>>;
 
@@ -155,13 +158,12 @@ void add_links_along(const UsableSamples& usable, const InitialFans& fans, doubl
     }
 }
 
-std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans,
-                                          const std::vector<std::uint32_t>& sides, double crease_angle)
+/// Links between splats whose normals agree, found by fans and along creases.
+SplatLinks list_splat_links(const UsableSamples& usable, const InitialFans& fans, double crease_angle)
 {
-    const int n = int(usable.input.size());
     const double same = std::cos(crease_angle);
     SplatLinks links;
-    for (int i = 0; i < n; ++i)
+    for (int i = 0; i < int(usable.input.size()); ++i)
     {
         if (!usable.is_crease[std::size_t(i)])
             continue;
@@ -175,27 +177,33 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
         }
     }
     add_links_along(usable, fans, same, links);
-    if (links.empty())
-        return {};
-    const std::vector<FaceSector> sectors = sectors_of_faces(usable, sides);
+    return links;
+}
+
+/// Whether a crease with these splats beside it, `p` on one side and `q` on the other, runs from end to end: between
+/// two crests of a thread all normals agree as well, yet no crease leads from one to the other.
+bool lies_along(const UsableSamples& usable, const std::array<int, 2>& p, const std::array<int, 2>& q)
+{
+    constexpr double least = 0.7; // cosine; as in end_tangent()
+    const Vector chord = usable.samples.points[std::size_t(p[1])] - usable.samples.points[std::size_t(p[0])];
+    const auto follows = [&](std::size_t end)
+    {
+        const Vector tangent =
+            usable.samples.normals[std::size_t(p[end])].cross(usable.samples.normals[std::size_t(q[end])]);
+        return std::abs(tangent.dot(chord)) >= least * tangent.norm() * chord.norm();
+    };
+    return follows(0) && follows(1);
+}
+
+/// Per pair of positions the two links, one a side, whose normals agree best.
+std::vector<CreaseLink> choose_sides(const UsableSamples& usable, const std::vector<FaceSector>& sectors,
+                                     SplatLinks links)
+{
     const auto leads_behind = [&](int from, int to)
     {
         const FaceDirection d =
             as_floats(usable.samples.points[std::size_t(to)] - usable.samples.points[std::size_t(from)]);
         return sectors[std::size_t(from)].leads_behind(d[0], d[1], d[2]);
-    };
-    // Between two crests of a thread all normals agree as well, yet no crease leads from one to the other.
-    const auto lies_along = [&](const std::array<int, 2>& p, const std::array<int, 2>& q)
-    {
-        constexpr double least = 0.7; // cosine; as in end_tangent()
-        const Vector chord = usable.samples.points[std::size_t(p[1])] - usable.samples.points[std::size_t(p[0])];
-        const auto follows = [&](std::size_t end)
-        {
-            const Vector tangent =
-                usable.samples.normals[std::size_t(p[end])].cross(usable.samples.normals[std::size_t(q[end])]);
-            return std::abs(tangent.dot(chord)) >= least * tangent.norm() * chord.norm();
-        };
-        return follows(0) && follows(1);
     };
     std::vector<CreaseLink> found;
     for (auto& [key, pairs] : links)
@@ -209,7 +217,7 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
         double best = -2;
         for (const auto& p : pairs)
             for (const auto& q : pairs)
-                if (p[0] < q[0] && p[1] != q[1] && lies_along(p, q))
+                if (p[0] < q[0] && p[1] != q[1] && lies_along(usable, p, q))
                 {
                     const auto& normals = usable.samples.normals;
                     const double agreement = normals[std::size_t(p[0])].dot(normals[std::size_t(p[1])]) +
@@ -227,12 +235,17 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
             (usable.samples.points[std::size_t(key.first)] - usable.samples.points[std::size_t(key.second)]).norm();
         found.push_back(link);
     }
-    // The nearest link in each direction, seen from both ends.
-    std::stable_sort(found.begin(), found.end(),
+    return found;
+}
+
+/// The nearest link in each direction, seen from both ends.
+std::vector<CreaseLink> keep_nearest(const UsableSamples& usable, std::vector<CreaseLink> links)
+{
+    std::stable_sort(links.begin(), links.end(),
                      [](const CreaseLink& x, const CreaseLink& y) { return x.length < y.length; });
     std::map<int, Vectors> taken;
-    std::vector<Segment> segments;
-    for (const CreaseLink& link : found)
+    std::vector<CreaseLink> kept;
+    for (const CreaseLink& link : links)
     {
         const Vector d =
             (usable.samples.points[std::size_t(link.place_b)] - usable.samples.points[std::size_t(link.place_a)]) /
@@ -246,6 +259,23 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
             continue;
         taken[link.place_a].push_back(d);
         taken[link.place_b].push_back(-d);
+        kept.push_back(link);
+    }
+    return kept;
+}
+
+} // namespace
+
+std::vector<Segment> find_crease_segments(const UsableSamples& usable, const InitialFans& fans,
+                                          const std::vector<std::uint32_t>& sides, double crease_angle)
+{
+    SplatLinks links = list_splat_links(usable, fans, crease_angle);
+    if (links.empty())
+        return {};
+    std::vector<Segment> segments;
+    for (const CreaseLink& link :
+         keep_nearest(usable, choose_sides(usable, sectors_of_faces(usable, sides), std::move(links))))
+    {
         Segment s;
         s.sides = 2;
         for (std::size_t k = 0; k < 2; ++k)

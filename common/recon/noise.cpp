@@ -94,8 +94,9 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int smallest_count = 3 * patch_coefficients;
-constexpr int largest_count = 6000;
 constexpr int many = 150; // neighbours; beyond it a subsample does
+/// Neighbours that are looked at, or that share of a large cloud, whichever are more.
+constexpr int largest_count = 6000, largest_share = 30;
 constexpr double growth = 1.5;
 /// A neighbourhood this many residual heights wide is a piece of surface rather than the inside of the noise.
 constexpr double flatness = 4;
@@ -112,6 +113,8 @@ constexpr double region_share = 0.2; // of the seeds
 constexpr int region_stride = 8;     // of its seeds so many that one is asked
 /// Noise above which it may be a stack of sheets [spacings]; of the seeds so many that one is asked.
 constexpr double thick = 0.3;
+/// Noise above which exact samples among noisy copies look like a sheet of a stack [spacings].
+constexpr double very_thick = 3;
 constexpr int stack_stride = 4;
 /// Share of those asked around that must see a sheet: 0.04 do in thick noise, 0.4 to 0.85 in stacks.
 constexpr double stacked_share = 0.3;
@@ -148,7 +151,7 @@ struct Pyramid
     explicit Pyramid(Points points)
     {
         levels.push_back(std::move(points));
-        while (levels.back().size() > step * coarsest && levels.size() < 4)
+        while (levels.back().size() > step * coarsest && levels.size() < 6)
         {
             const Points& finer = levels.back();
             Points coarser;
@@ -165,12 +168,14 @@ struct Pyramid
 class ScaleLadder
 {
 public:
-    explicit ScaleLadder(const Pyramid& pyramid)
-        : pyramid_(pyramid), neighbours_(largest_count), squared_(largest_count)
+    explicit ScaleLadder(const Pyramid& pyramid) : pyramid_(pyramid)
     {
         const int all = int(pyramid.levels[0].size());
-        // Of a small cloud take a part, or the quadric would have to follow the whole shape.
-        limit_ = std::min({all, largest_count, std::max(all / 3, smallest_count)});
+        // Of a small cloud take a part, or the quadric would have to follow the whole shape. Of a large one with noise
+        // of ten spacings a neighbourhood wider than the noise holds many.
+        limit_ = std::min({all, std::max(largest_count, all / largest_share), std::max(all / 3, smallest_count)});
+        neighbours_.resize(std::size_t(std::max(limit_, most_around_stack)));
+        squared_.resize(neighbours_.size());
     }
 
     /// \param ask_for_stack whether a thick layer may be a stack of sheets.
@@ -179,14 +184,38 @@ public:
         Local result = climb(seed);
         if (ask_for_stack && (!result.settled || result.sigma * std::sqrt(result.density) > thick))
         {
-            const int found =
-                pyramid_.searches[0].nearest(seed, most_around_stack, neighbours_.data(), squared_.data());
-            result.stacked = find_stacked_sheet(pyramid_.levels[0], seed, neighbours_.data(), squared_.data(), found);
+            result.stacked = find_sheet(seed);
+            if (result.stacked && result.sigma * std::sqrt(result.density) > very_thick &&
+                !has_sheets_beside(*result.stacked))
+                result.stacked.reset();
         }
         return result;
     }
 
 private:
+    std::optional<StackedSheet> find_sheet(const Point& at)
+    {
+        const int found = pyramid_.searches[0].nearest(at, most_around_stack, neighbours_.data(), squared_.data());
+        return find_stacked_sheet(pyramid_.levels[0], at, neighbours_.data(), squared_.data(), found);
+    }
+
+    /// Whether what lies beside a sheet is in sheets as well, which noisy copies of exact samples are not.
+    /// \param sheet just found.
+    bool has_sheets_beside(const StackedSheet& sheet)
+    {
+        constexpr std::size_t asked = 4;
+        const int reach = std::min(most_around_stack, int(pyramid_.levels[0].size()));
+        std::vector<int> beside;
+        auto member = sheet.members.begin();
+        for (int i = 0; beside.size() < asked && i < reach; ++i)
+            if (member != sheet.members.end() && *member == i)
+                ++member;
+            else
+                beside.push_back(neighbours_[i]);
+        return std::any_of(beside.begin(), beside.end(),
+                           [&](int i) { return find_sheet(pyramid_.levels[0][i]).has_value(); });
+    }
+
     Local climb(const Point& seed)
     {
         double k = smallest_count;

@@ -1,5 +1,6 @@
 #include "filter_amls/crust_of_points.h"
 #include "filter_amls/label_points.h"
+#include "filter_amls/sides_of_thin_walls.h"
 #include "filter_amls/surface_data.h"
 
 #include <recon/errors.h>
@@ -8,6 +9,9 @@
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
 
 using namespace recon;
 
@@ -62,6 +66,25 @@ TEST(CrustOfPoints, LabelsOfExactPointsAreThoseThatItWasMadeOf)
     EXPECT_EQ(found->labelled.labels, anew->labelled.labels);
     EXPECT_EQ(found->labelled.violated_votes, anew->labelled.violated_votes);
     EXPECT_EQ(found->samples, anew->samples);
+}
+
+TEST(CrustOfPoints, IsNotAskedForTheSidesOfNoiseOfSpacings)
+{
+    const OrientedSamples sphere = shapes::sphere(2000, 1, 3);
+    Cells cells;
+    cells.cell_of_point.resize(sphere.points.size());
+    std::iota(cells.cell_of_point.begin(), cells.cell_of_point.end(), 0);
+    const auto ask = [&](double spacings)
+    {
+        constexpr double density = 100;
+        cells.scales.assign(sphere.points.size(), {spacings / std::sqrt(density), density, 1});
+        CrustOfPoints crust;
+        find_sides_of_thin_walls(UnitFrame(sphere.points).to_unit(sphere.points), cells, sphere.normals, 1, false,
+                                 crust, 1);
+        return crust.made() != nullptr;
+    };
+    EXPECT_TRUE(ask(1));
+    EXPECT_FALSE(ask(4));
 }
 
 TEST(CrustOfPoints, NoisyPointsHaveNone)

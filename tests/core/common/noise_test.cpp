@@ -179,6 +179,23 @@ TEST(EstimateNoise, IsOfOneSheetInAStack)
         }
 }
 
+// Of noise of ten spacings a neighbourhood that is wider than the noise holds many. Exact samples among noisy copies
+// are a sheet with emptier space beside it, but no stack.
+TEST(EstimateNoise, IsNotMisledWhereItIsManySpacings)
+{
+    constexpr double sigma = 0.06;
+    const Points exact = shapes::sphere(50'000, 1, 5).points, copies = shapes::with_noisy_copies(exact, sigma, 4, 6);
+    for (const Points& cloud : {copies, shapes::with_noise(shapes::sphere(360'000, 1, 5).points, sigma, 6)})
+    {
+        const NoiseEstimate estimate = estimate_noise(cloud);
+        ASSERT_GT(sigma / estimate.median_spacing(), 8);
+        std::vector<double> found = estimate.sigma();
+        std::sort(found.begin(), found.end());
+        EXPECT_GT(found.front(), 0.7 * sigma);
+        EXPECT_LT(found.back(), 1.4 * sigma);
+    }
+}
+
 TEST(EstimateNoise, FollowsDensityThatVaries)
 {
     // Of the half x > 0 one point in ten.
