@@ -96,7 +96,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr int smallest_count = 3 * patch_coefficients;
 constexpr int many = 150; // neighbours; beyond it a subsample does
 /// Neighbours that are looked at, or that share of a large cloud, whichever are more.
-constexpr int largest_count = 6000, largest_share = 30;
+constexpr int largest_count = 6000, largest_share = 40;
 constexpr double growth = 1.5;
 /// A neighbourhood this many residual heights wide is a piece of surface rather than the inside of the noise.
 constexpr double flatness = 4;
