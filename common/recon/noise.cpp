@@ -95,8 +95,9 @@ namespace
 constexpr double pi = 3.14159265358979323846;
 constexpr int smallest_count = 3 * patch_coefficients;
 constexpr int many = 150; // neighbours; beyond it a subsample does
-/// Neighbours that are looked at, or that share of a large cloud, whichever are more.
-constexpr int largest_count = 6000, largest_share = 40;
+/// Neighbours that are looked at. In noise of nine spacings and more none of so many are a piece of surface: where
+/// fewer than half of the seeds have settled four times as many are, up to that share of the cloud.
+constexpr int largest_count = 6000, largest_share = 10;
 constexpr double growth = 1.5;
 /// A neighbourhood this many residual heights wide is a piece of surface rather than the inside of the noise.
 constexpr double flatness = 4;
@@ -168,12 +169,12 @@ struct Pyramid
 class ScaleLadder
 {
 public:
-    explicit ScaleLadder(const Pyramid& pyramid) : pyramid_(pyramid)
+    /// \param most neighbours that are looked at.
+    ScaleLadder(const Pyramid& pyramid, int most) : pyramid_(pyramid)
     {
         const int all = int(pyramid.levels[0].size());
-        // Of a small cloud take a part, or the quadric would have to follow the whole shape. Of a large one with noise
-        // of ten spacings a neighbourhood wider than the noise holds many.
-        limit_ = std::min({all, std::max(largest_count, all / largest_share), std::max(all / 3, smallest_count)});
+        // Of a small cloud take a part, or the quadric would have to follow the whole shape.
+        limit_ = std::min({all, most, std::max(all / 3, smallest_count)});
         neighbours_.resize(std::size_t(std::max(limit_, most_around_stack)));
         squared_.resize(neighbours_.size());
     }
@@ -304,6 +305,21 @@ private:
     double reach_ = 0; ///< Only saves time.
     int reach_count_ = 1;
 };
+
+/// \param most neighbours that are looked at. \returns what each seed sees.
+std::vector<Local> look_around(const Points& seeds, const Pyramid& pyramid, int most, int threads,
+                               const Progress& progress)
+{
+    std::vector<Local> raw(seeds.size());
+    parallel_chunks(seeds.size(), threads, 32, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        ScaleLadder ladder(pyramid, most);
+                        for (std::size_t i = begin; i < end; ++i)
+                            raw[i] = ladder.estimate(seeds[i], i % stack_stride == 0);
+                    });
+    return raw;
+}
 
 /// Noise and density per seed, in input units.
 struct Pooled
@@ -482,14 +498,15 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     for (int i = 0; i < m; ++i)
         seeds[i] = unit[std::size_t((i + 0.5) * n / m)];
     const Pyramid pyramid(std::move(unit));
-    std::vector<Local> raw(m);
-    parallel_chunks(std::size_t(m), threads, 32, progress,
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        ScaleLadder ladder(pyramid);
-                        for (std::size_t i = begin; i < end; ++i)
-                            raw[i] = ladder.estimate(seeds[i], i % stack_stride == 0);
-                    });
+    std::vector<Local> raw;
+    double left = 1; // of the progress
+    for (int most = largest_count;; most *= 4, left /= 2)
+    {
+        raw = look_around(seeds, pyramid, most, threads, progress.part(1 - left, 1 - left / 2));
+        const auto settled = std::count_if(raw.begin(), raw.end(), [](const Local& l) { return l.settled; });
+        if (2 * settled >= m || 4 * most > n / largest_share)
+            break;
+    }
     Pooled pooled = pool(pyramid.levels[0], pyramid.searches[0], seeds, raw, frame.scale(), threads);
     take_one_of_stack(seeds, raw, frame.scale(), threads, pooled);
     frame.from_unit_in_place(seeds);
