@@ -38,7 +38,7 @@ constexpr double exact_whiteness = 0.15;
 constexpr double exact_roughness = 0.05;
 
 /// Share of the votes that thin tubes' denoised labels violate at least, where these are not made.
-constexpr double violated_by_tubes = 0.001;
+constexpr double least_violated_denoised = 0.001;
 
 /// The distinct points, in spatial order as indices of the input, but for isolated ones.
 std::vector<int> list_without_isolated(const Points& points, const AmlsSurface::Data& data, int threads)
@@ -261,7 +261,7 @@ std::optional<LabelledSamples> label_doubtful_tubes(const PointsAsTheyAre& as_th
 {
     if (!as_they_are.cleanness.is_doubtful())
         return {};
-    return label_tubes(as_they_are, violated_by_tubes, labelling, times, progress);
+    return label_tubes(as_they_are, least_violated_denoised, labelling, times, progress);
 }
 
 /// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and

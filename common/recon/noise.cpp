@@ -509,6 +509,7 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     }
     Pooled pooled = pool(pyramid.levels[0], pyramid.searches[0], seeds, raw, frame.scale(), threads);
     take_one_of_stack(seeds, raw, frame.scale(), threads, pooled);
+    progress.report(1);
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(pooled.sigma), std::move(pooled.density));
 }
