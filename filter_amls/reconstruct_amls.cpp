@@ -72,7 +72,8 @@ bool has_lids(const Attempt& attempt, const TriangleMesh& crust, int threads)
     return measure_bare_area(attempt.found.samples, crust, threads) > bare_lid;
 }
 
-/// Whether bare lids seem to close what walls hold that were taken for noise.
+/// Whether bare lids seem to close what walls hold that were taken for noise: votes object, or points lie beside the
+/// surface as no noise does.
 bool seems_filled(const Points& points, const Attempt& attempt, int threads)
 {
     const LabelledSamples& found = attempt.found;
@@ -82,6 +83,8 @@ bool seems_filled(const Points& points, const Attempt& attempt, int threads)
     const TriangleMesh crust = crust_of(attempt);
     if (!has_lids(attempt, crust, threads))
         return false;
+    if (found.labelled.violated_votes > objecting_votes)
+        return true;
     const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
     return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
 }
@@ -156,13 +159,16 @@ bool open_lids(Attempt& attempt, const Points& points, const AmlsReconstructionO
 }
 
 /// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
-/// is one; else that with an eighth and open lids, if the points object to lids and not to these.
+/// is one; else that with an eighth and open lids, if the points object to lids and not to these. \param is_filled
+/// becomes false where the walls are found, or where there are none.
 std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstructionOptions& options,
-                                      const Attempt& first, PhaseTimes& times, const Progress& progress)
+                                      const Attempt& first, bool& is_filled, PhaseTimes& times,
+                                      const Progress& progress)
 {
     const int threads = resolve_threads(options.threads);
     const double noise = first.surface.report().noise;
-    const Mismatch before = measure_mismatch(points, first, threads);
+    const Mismatch mismatch = measure_mismatch(points, first, threads);
+    const PointsAgainst before{mismatch.missed_points, first.found.labelled.violated_votes};
     std::optional<Attempt> last;
     for (int i = 1; i <= halvings; ++i)
     {
@@ -177,16 +183,18 @@ std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstruc
             continue;
         }
         const TriangleMesh crust = crust_of(*last);
-        if (!has_lids(*last, crust, threads))
+        is_filled = has_lids(*last, crust, threads);
+        if (!is_filled)
             return last;
-        if (is_open_at_any_noise(first.found.labelled.violated_votes, last->found.labelled.violated_votes))
+        const double missed = measure_missed_points(last->found.frame.to_unit(points), crust, threads);
+        is_filled = !finds_no_walls(before, {missed, last->found.labelled.violated_votes});
+        if (!is_filled)
             return {};
-        if (measure_missed_points(last->found.frame.to_unit(points), crust, threads) >
-            barely_less * before.missed_points)
+        if (missed > barely_less * before.missed)
             i = std::max(i, halvings - 1);
     }
-    return last && open_lids(*last, points, options, before.sum(), times, progress.part(0.9, 1)) ? std::move(last)
-                                                                                                 : std::nullopt;
+    is_filled = !last || !open_lids(*last, points, options, mismatch.sum(), times, progress.part(0.9, 1));
+    return is_filled ? std::nullopt : std::move(last);
 }
 
 } // namespace
@@ -200,11 +208,8 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const int threads = resolve_threads(options.threads);
     bool is_filled = seems_filled(points, attempt, threads);
     if (is_filled && options.noise == 0)
-        if (auto finer = look_for_walls(points, options, attempt, times, progress.part(0.7, 0.95)))
-        {
+        if (auto finer = look_for_walls(points, options, attempt, is_filled, times, progress.part(0.7, 0.95)))
             attempt = std::move(*finer);
-            is_filled = false;
-        }
     const LabelledSamples& found = attempt.found;
     result.surface = attempt.surface.report();
     result.outliers = found.outliers;

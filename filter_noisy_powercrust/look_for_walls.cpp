@@ -58,8 +58,7 @@ public:
                                            : attempts_.prepare_and_label(Denoise::on, finest,
                                                                          progress.part(0.7, 0.9, "least noise")),
                               progress.part(0.9, 1, "open lids"));
-            if (best.has_lids())
-                best.attempt.lost_walls = true;
+            best.attempt.lost_walls = best.has_lids() && !last.finds_none;
         }
         return std::move(best.attempt);
     }
@@ -77,8 +76,8 @@ private:
         }
     }
 
-    /// Whether a denoised crust has lids, seen from its samples, and points beside it as no noise lies. Measures the
-    /// mismatch.
+    /// Whether a denoised crust has lids, seen from its samples, and votes object or points lie beside it as no noise
+    /// does. Measures the mismatch.
     bool lacks_walls(Judged& judged)
     {
         const PreparedSamples& cloud = judged.attempt.cloud;
@@ -87,7 +86,7 @@ private:
         if (!judged.has_lids())
             return false;
         const bool has_flats = judged.attempt.completed > 0;
-        if (!has_flats && lies_as_noise_does(cloud, crust))
+        if (!has_flats && judged.attempt.labelled.violated_votes <= objecting_votes && lies_as_noise_does(cloud, crust))
             return false;
         judged.mismatch.missed_points = measure_missed_points(cloud.distinct, crust, attempts_.threads());
         return !has_flats || judged.mismatch.missed_points > missed_beside_flats;
@@ -100,7 +99,7 @@ private:
             .is_noise();
     }
 
-    /// Votes do not object to walls that are lost; where so many do the scene is open, and less noise makes lace of it.
+    /// Where so many votes object the scene is open, and less noise makes lace of it.
     bool may_have_lost_walls(const LabelledCloud& first) const
     {
         return attempts_.points.size() <= most_points_twice && first.labelled.violated_votes <= flooded_above &&
@@ -119,11 +118,13 @@ private:
             best = std::move(fine);
     }
 
-    /// The last attempt with less noise: its share of violated votes, and what it found unless that is the best.
+    /// The last attempt with less noise: its share of violated votes, and what it found unless that is the best. Or no
+    /// walls are to be found.
     struct LessNoise
     {
         double violated = 0;
-        std::optional<LabelledCloud> dropped;
+        std::optional<LabelledCloud> dropped = {};
+        bool finds_none = false;
     };
 
     /// Half the noise, a quarter, an eighth, as long as that finds walls.
@@ -131,8 +132,8 @@ private:
     {
         const bool has_flats = best.attempt.completed > 0;
         const double share = has_flats ? found_again_beside_flats : found_again;
-        const double noise = best.attempt.cloud.noise, missed_before = best.mismatch.missed_points,
-                     violated_before = best.attempt.labelled.violated_votes;
+        const double noise = best.attempt.cloud.noise, missed_before = best.mismatch.missed_points;
+        const PointsAgainst before{missed_before, best.attempt.labelled.violated_votes};
         LessNoise last;
         for (int i = 1; i <= halvings && best.has_lids(); ++i)
         {
@@ -149,8 +150,8 @@ private:
                 best = std::move(finer);
             else
                 last.dropped = std::move(finer.attempt);
-            if (best.has_lids() && is_open_at_any_noise(violated_before, last.violated))
-                return {};
+            if (best.has_lids() && finds_no_walls(before, {missed, last.violated}))
+                return {0, {}, true};
             if (missed > barely_less * missed_before)
                 i = std::max(i, halvings - 1);
         }

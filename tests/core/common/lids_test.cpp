@@ -104,3 +104,14 @@ TEST(Lids, AWholeBodyHasNone)
     const LabelledBalls labelled = label_polar_balls(sphere.points, sphere.normals, {}, times);
     EXPECT_TRUE(list_balls_under_lids(sphere.points, labelled).empty());
 }
+
+// Of a forest (power crust, AMLS), of noise as large as the spacing; of cups in five samples a spot, in one.
+TEST(Lids, LessNoiseIsGivenUpWhereItFindsNoWalls)
+{
+    EXPECT_TRUE(finds_no_walls({0.129, 0.109}, {0.117, 0.107}));
+    EXPECT_TRUE(finds_no_walls({0.206, 0.030}, {0.086, 0.044}));
+    EXPECT_TRUE(finds_no_walls({0.300, 0.0025}, {0.208, 0.0133}));
+    EXPECT_FALSE(finds_no_walls({0.235, 0.0423}, {0.024, 0.0592}));
+    EXPECT_FALSE(finds_no_walls({0.484, 0.0005}, {0.198, 0.0316}));
+    EXPECT_FALSE(finds_no_walls({0.007, 0.0006}, {0.008, 0.0228}));
+}
