@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace recon
@@ -23,6 +24,7 @@ constexpr double reach_of_noise = 5;
 constexpr double far_by_noise = 3, about_equal = 0.9;
 /// Points of a place [count]: in Gaussian noise 0.13 % of the places pass for two sheets.
 constexpr int place = 32;
+constexpr int wide_place = 128;
 constexpr std::size_t most_asked = 20'000, most_asked_of_area = 4'000;
 
 /// At most most_asked of the points, at equal steps of their order.
@@ -96,30 +98,61 @@ double measure_bare_area(const Points& points, const TriangleMesh& mesh, const N
     return double(std::count(is_bare.begin(), is_bare.end(), 1)) / double(asked);
 }
 
-/// Share of places, one at every point, with hardly any points nearer to the surface than others around them.
-double measure_two_sheets(const Points& points, const std::vector<double>& squared, int threads,
-                          const Progress& progress)
+/// Mean and root mean square of numbers whose squares are given, of those listed.
+struct Spread
+{
+    double mean = 0, rms = 0;
+};
+
+Spread measure_spread(const std::vector<double>& squared, const int* listed, int count)
+{
+    double sum = 0, squares = 0;
+    for (int k = 0; k < count; ++k)
+    {
+        const double s = squared[std::size_t(listed[k])];
+        sum += std::sqrt(s);
+        squares += s;
+    }
+    return {sum / count, std::sqrt(squares / count)};
+}
+
+/// All but `beyond_noise`, from places around every point.
+NoiseMisfit measure_places(const Points& points, const std::vector<double>& squared, int threads,
+                           const Progress& progress)
 {
     const NeighbourSearch search(points);
-    std::vector<char> has_two(points.size());
-    parallel_for(points.size(), threads, progress,
+    const std::size_t n = points.size();
+    std::vector<char> has_two(n), is_in_tail(n);
+    std::vector<double> evenness(n);
+    parallel_for(n, threads, progress,
                  [&](std::size_t i)
                  {
-                     std::array<int, place> around;
-                     std::array<double, place> ignored;
-                     const int count = search.nearest(points[i], place, around.data(), ignored.data());
-                     double sum = 0, squares = 0;
-                     for (int k = 0; k < count; ++k)
-                     {
-                         sum += std::sqrt(squared[std::size_t(around[std::size_t(k)])]);
-                         squares += squared[std::size_t(around[std::size_t(k)])];
-                     }
-                     has_two[i] = sum > about_equal * std::sqrt(count * squares);
+                     std::array<int, wide_place> around;
+                     std::array<double, wide_place> ignored;
+                     const int count = search.nearest(points[i], wide_place, around.data(), ignored.data());
+                     const Spread near = measure_spread(squared, around.data(), std::min(count, place)),
+                                  wide = measure_spread(squared, around.data(), count);
+                     has_two[i] = near.mean > about_equal * near.rms;
+                     evenness[i] = wide.rms > 0 ? wide.mean / wide.rms : 0;
+                     is_in_tail[i] = squared[i] > 4 * wide.rms * wide.rms;
                  });
-    return double(std::count(has_two.begin(), has_two.end(), 1)) / double(points.size());
+    NoiseMisfit result;
+    result.points = int(n);
+    result.two_sheets = double(std::count(has_two.begin(), has_two.end(), 1)) / double(n);
+    result.evenness = std::accumulate(evenness.begin(), evenness.end(), 0.0) / double(n);
+    result.tails = double(std::count(is_in_tail.begin(), is_in_tail.end(), 1)) / double(n);
+    return result;
 }
 
 } // namespace
+
+bool NoiseMisfit::is_noise() const
+{
+    // The evenness of n Gaussian points scatters by 0.6 / sqrt(n) or less. Noise of bounded reach, as even as two
+    // sheets, has up to 0.0352 in its tails.
+    const bool are_sheets_mixed = evenness > 0.8 + std::max(0.015, 0.6 / std::sqrt(points)) && tails > 0.0375;
+    return beyond_noise <= 0.05 && two_sheets <= 0.01 && !are_sheets_mixed;
+}
 
 NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh, double noise, int threads,
                                  const Progress& progress)
@@ -133,8 +166,9 @@ NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh,
                  [&](std::size_t i) { squared[i] = tree.squared_distance_from(asked[i]); });
     const double reach = far_by_noise * noise;
     const auto beyond = std::count_if(squared.begin(), squared.end(), [&](double s) { return s > reach * reach; });
-    return {double(beyond) / double(asked.size()),
-            measure_two_sheets(asked, squared, threads, progress.part(0.6, 1, "sheets"))};
+    NoiseMisfit result = measure_places(asked, squared, threads, progress.part(0.6, 1, "sheets"));
+    result.beyond_noise = double(beyond) / double(asked.size());
+    return result;
 }
 
 Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)

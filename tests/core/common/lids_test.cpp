@@ -105,13 +105,16 @@ TEST(Lids, AWholeBodyHasNone)
     EXPECT_TRUE(list_balls_under_lids(sphere.points, labelled).empty());
 }
 
-// Of a forest (power crust, AMLS), of noise as large as the spacing; of cups in five samples a spot, in one.
+// Of a forest (power crust, AMLS), of noise as large as the spacing, of a street; of cups of five samples a spot, of
+// one.
 TEST(Lids, LessNoiseIsGivenUpWhereItFindsNoWalls)
 {
     EXPECT_TRUE(finds_no_walls({0.129, 0.109}, {0.117, 0.107}));
     EXPECT_TRUE(finds_no_walls({0.206, 0.030}, {0.086, 0.044}));
     EXPECT_TRUE(finds_no_walls({0.300, 0.0025}, {0.208, 0.0133}));
+    EXPECT_TRUE(finds_no_walls({0.0195, 0.0219}, {0.0166, 0.0236}));
     EXPECT_FALSE(finds_no_walls({0.235, 0.0423}, {0.024, 0.0592}));
+    EXPECT_FALSE(finds_no_walls({0.049, 0.0559}, {0.020, 0.0624}));
     EXPECT_FALSE(finds_no_walls({0.484, 0.0005}, {0.198, 0.0316}));
     EXPECT_FALSE(finds_no_walls({0.007, 0.0006}, {0.008, 0.0228}));
 }

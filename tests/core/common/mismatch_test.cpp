@@ -86,9 +86,28 @@ TEST(MeasureNoiseMisfit, TellsTwoSheetsFromNoise)
     const NoiseMisfit by_sheets = measure_noise_misfit(sheets, square, sigma);
     EXPECT_LT(by_sheets.beyond_noise, 0.005);
     EXPECT_GT(by_sheets.two_sheets, 0.95);
+    // Nearer ones are mixed: all places together tell them from noise, their tails from noise of bounded reach.
+    EXPECT_TRUE(by_noise.is_noise());
+    EXPECT_NEAR(by_noise.evenness, 0.8, 0.005);
+    constexpr double small = 0.3 * sigma;
+    Points mixed = shapes::with_noise(flat, small, 8), bounded = flat;
+    for (std::size_t i = 0; i < flat.size(); ++i)
+    {
+        mixed[i].z() += (i % 2 == 0 ? small : -small);
+        bounded[i].z() += (2 * shapes::uniform(random) - 1) * small;
+    }
+    const NoiseMisfit by_mixed = measure_noise_misfit(mixed, square, 1.4 * small);
+    EXPECT_LT(by_mixed.two_sheets, 0.01);
+    EXPECT_NEAR(by_mixed.evenness, 0.825, 0.005);
+    EXPECT_GT(by_mixed.tails, 0.03);
+    const NoiseMisfit by_bounded = measure_noise_misfit(bounded, square, 0.6 * small);
+    EXPECT_GT(by_bounded.evenness, by_mixed.evenness);
+    EXPECT_LT(by_bounded.tails, 0.01);
+
     const NoiseMisfit by_three_threads = measure_noise_misfit(sheets, square, sigma, 3);
     EXPECT_EQ(by_three_threads.beyond_noise, by_sheets.beyond_noise);
     EXPECT_EQ(by_three_threads.two_sheets, by_sheets.two_sheets);
+    EXPECT_EQ(by_three_threads.evenness, by_sheets.evenness);
 
     EXPECT_NEAR(measure_noise_misfit(noisy, square, sigma / 3).beyond_noise, 0.32, 0.02); // beyond one sigma
     EXPECT_EQ(measure_noise_misfit({}, square, sigma).beyond_noise, 0);

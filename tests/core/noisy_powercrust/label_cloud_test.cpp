@@ -47,7 +47,7 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
     };
     // Of five samples a spot the points lie beside the filled cup as noise does, but votes object.
     for (const Case& one : {Case{1.2, 0.2, 0.2}, Case{1.5, 0.2, 0.1}, Case{2, 0.4, 0.1}, Case{2.5, 0.6, 0.1},
-                            Case{0.8, 0.2, 0.15, 5, 14}})
+                            Case{0.8, 0.2, 0.15, 5, 14}, Case{0.8, 0.4, 0.2, 5}})
     {
         const shapes::Cup cup(one.wall);
         Points points;
