@@ -149,8 +149,9 @@ NoiseMisfit measure_places(const Points& points, const std::vector<double>& squa
 bool NoiseMisfit::is_noise() const
 {
     // The evenness of n Gaussian points scatters by 0.6 / sqrt(n) or less. Noise of bounded reach, as even as two
-    // sheets, has up to 0.0352 in its tails.
-    const bool are_sheets_mixed = evenness > 0.8 + std::max(0.015, 0.6 / std::sqrt(points)) && tails > 0.0375;
+    // sheets, has up to 0.0352 in its tails; the sum below is at most 0.8962 then.
+    const bool are_sheets_mixed =
+        evenness > 0.8 + std::max(0.015, 0.6 / std::sqrt(points)) && (tails > 0.0375 || evenness + 2 * tails > 0.9025);
     return beyond_noise <= 0.05 && two_sheets <= 0.01 && !are_sheets_mixed;
 }
 
