@@ -206,10 +206,13 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     PhaseTimes times;
     Attempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));
     const int threads = resolve_threads(options.threads);
-    bool is_filled = seems_filled(points, attempt, threads);
+    bool is_filled = seems_filled(points, attempt, threads), has_found_walls = false;
     if (is_filled && options.noise == 0)
         if (auto finer = look_for_walls(points, options, attempt, is_filled, times, progress.part(0.7, 0.95)))
+        {
             attempt = std::move(*finer);
+            has_found_walls = true;
+        }
     const LabelledSamples& found = attempt.found;
     result.surface = attempt.surface.report();
     result.outliers = found.outliers;
@@ -222,7 +225,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
             result.warnings.push_back(text);
     if (found.lost_sheets > 0)
         result.warnings.push_back(describe_backs(found.lost_sheets));
-    if (attempt.is_opened)
+    if (attempt.is_opened || (has_found_walls && result.violated_votes > votes_of_holes))
         result.warnings.push_back(opened_lids_text);
     if (is_filled)
         result.warnings.push_back(

@@ -16,9 +16,10 @@ struct LabelledCloud
 {
     PreparedSamples cloud;
     LabelledBalls labelled;
-    int completed = 0;       ///< Samples put on bare flat faces, the last of the cloud's [count].
-    bool opened = false;     ///< Whether lids were taken off hollows whose walls object to being filled.
-    int backs = 0;           ///< Samples put behind sheets that had the outside on both sides [count].
+    int completed = 0;        ///< Samples put on bare flat faces, the last of the cloud's [count].
+    bool opened = false;      ///< Whether lids were taken off hollows whose walls object to being filled.
+    bool found_walls = false; ///< Whether walls were found with less noise assumed.
+    int backs = 0;            ///< Samples put behind sheets that had the outside on both sides [count].
     double lost_sheets = 0;  ///< Share of samples in such sheets of a crust with handles, before they had backs [0..1].
     bool lost_walls = false; ///< Whether bare lids seem to close what walls hold that were taken for noise.
     bool is_settled = false; ///< Whether no other labels are to be tried.

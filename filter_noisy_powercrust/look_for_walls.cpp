@@ -147,7 +147,10 @@ private:
             if (has_flats && !is_hollow && missed > hopeless * best.mismatch.missed_points)
                 break;
             if ((is_hollow || missed < std::pow(share, i) * missed_before) && !lays_bare(finer.attempt, best.attempt))
+            {
                 best = std::move(finer);
+                best.attempt.found_walls = true;
+            }
             else
                 last.dropped = std::move(finer.attempt);
             if (best.has_lids() && finds_no_walls(before, {missed, last.violated}))

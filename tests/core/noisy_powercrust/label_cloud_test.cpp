@@ -58,6 +58,10 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
         const checks::MeshReport report = checks::examine_mesh(crust.mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_NEAR(report.volume, cup.volume, one.error * cup.volume) << one.wall << ' ' << one.noise;
+        if (one.wall <= 2 * one.noise)
+        {
+            EXPECT_TRUE(says(crust, "walls may have holes"));
+        }
     }
 }
 
