@@ -114,6 +114,24 @@ TEST(MeasureNoiseMisfit, TellsTwoSheetsFromNoise)
     EXPECT_EQ(measure_noise_misfit(noisy, {}, sigma).two_sheets, 0);
 }
 
+// A cup, an open scan with Gaussian noise, two with noise of bounded reach; few points of a cup.
+TEST(MeasureNoiseMisfit, TellsMixedSheetsFromNoiseOfBoundedReach)
+{
+    const auto is_noise = [](double evenness, double tails, int points)
+    {
+        NoiseMisfit misfit;
+        misfit.evenness = evenness;
+        misfit.tails = tails;
+        misfit.points = points;
+        return misfit.is_noise();
+    };
+    EXPECT_FALSE(is_noise(0.8226, 0.0455, 20'000));
+    EXPECT_TRUE(is_noise(0.7996, 0.0487, 20'000));
+    EXPECT_TRUE(is_noise(0.8345, 0.0233, 20'000));
+    EXPECT_TRUE(is_noise(0.8258, 0.0352, 20'000));
+    EXPECT_TRUE(is_noise(0.8226, 0.0455, 400));
+}
+
 TEST(MeasureMismatch, StandsHostileInput)
 {
     const Points points = shapes::sphere(100, 0.5, 1).points;
