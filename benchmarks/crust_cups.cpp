@@ -1,11 +1,10 @@
 // Cups whose walls are about as thick as the noise or the spacing: crust_cups [amls]
 // Square and round, as high as wide, open above; one or five noisy samples a spot. One Markdown row a cup: how much of
 // its true volume the crust encloses, and its handles, at noise of 0.2 to 0.5 spacings. Filled cups have 2 to 8 of it.
-#include "area_sampler.h"
+#include "even_samples.h"
 #include "models.h"
 
 #include "filter_amls/reconstruct_amls.h"
-#include "filter_noisy_powercrust/keep_apart.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
@@ -15,7 +14,6 @@
 #include <exception>
 #include <string>
 
-using recon::Point;
 using recon::Points;
 using recon::TriangleMesh;
 
@@ -71,7 +69,6 @@ int main(int argc, char** argv)
         return 2;
     }
     constexpr double noises[] = {0.2, 0.3, 0.4, 0.5};
-    constexpr int draws_per_sample = 30;
     int hollow[2] = {}, cells = 0;
     std::printf("| cup, width | wall | one a spot 0.2 | 0.3 | 0.4 | 0.5 | five a spot 0.2 | 0.3 | 0.4 | 0.5 |\n"
                 "|---|---|---|---|---|---|---|---|---|---|\n");
@@ -82,20 +79,14 @@ int main(int argc, char** argv)
                 const TriangleMesh cup = make_cup(width, wall, sides);
                 const double volume = checks::examine_mesh(cup).volume;
                 benchmarks::AreaSampler sampler(cup, 5);
-                Points draws;
-                for (int i = 0; i < draws_per_sample * sampler.area(); ++i)
-                    draws.push_back(sampler.draw());
                 const Points spots =
-                    recon::points_at(recon::keep_apart(draws, std::vector<double>(draws.size(), 0.8)), draws);
+                    benchmarks::sample_evenly(sampler, benchmarks::draws_per_sample * sampler.area(), 1);
                 std::printf("| %s, %g | %g |", sides == 4 ? "square" : "round", width, wall);
                 cells += int(std::size(noises));
                 for (const int copies : {1, 5})
                     for (const double noise : noises)
                     {
-                        Points points;
-                        for (int copy = 0; copy < copies; ++copy)
-                            for (const Point& p : shapes::with_noise(spots, noise, 7 + unsigned(copy)))
-                                points.push_back(p);
+                        const Points points = shapes::noisy_copies(spots, noise, copies, 7);
                         try
                         {
                             const checks::MeshReport report = checks::examine_mesh(reconstruct(points, by_amls));

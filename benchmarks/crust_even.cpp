@@ -1,11 +1,10 @@
 // Clouds of even samples on the triangles of models, whatever their vertices:
 // crust_even <samples> <seed> <model.ply>...
 // One Markdown row a cell: without noise, one noisy sample a spot, five noisy samples a spot. Noise in spacings.
-#include "area_sampler.h"
+#include "even_samples.h"
 #include "mesh_distance.h"
 #include "models.h"
 
-#include "filter_noisy_powercrust/keep_apart.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
@@ -18,21 +17,10 @@
 #include <filesystem>
 
 using namespace benchmarks;
-using recon::Point;
 using recon::Points;
 
 namespace
 {
-
-/// Poisson disks: of random points those that keep 0.8 spacings from all that were kept.
-Points sample_evenly(AreaSampler& sampler, int samples, double spacing)
-{
-    constexpr int draws_per_sample = 30;
-    Points draws;
-    for (int i = 0; i < draws_per_sample * samples; ++i)
-        draws.push_back(sampler.draw());
-    return recon::points_at(recon::keep_apart(draws, std::vector<double>(draws.size(), 0.8 * spacing)), draws);
-}
 
 struct Cloud
 {
@@ -64,14 +52,11 @@ int main(int argc, char** argv)
         const MeshDistance truth(model.mesh);
         AreaSampler sampler(model.mesh, seed);
         const double spacing = std::sqrt(sampler.area() / samples);
-        const Points spots = sample_evenly(sampler, samples, spacing);
+        const Points spots = sample_evenly(sampler, draws_per_sample * samples, spacing);
         for (const Cloud& cloud :
              {Cloud{0, 1}, Cloud{0.1, 1}, Cloud{0.2, 1}, Cloud{0.3, 1}, Cloud{0.5, 1}, Cloud{0.3, 5}})
         {
-            Points points;
-            for (int copy = 0; copy < cloud.samples_a_spot; ++copy)
-                for (const Point& p : shapes::with_noise(spots, cloud.noise * spacing, seed + unsigned(copy)))
-                    points.push_back(p);
+            const Points points = shapes::noisy_copies(spots, cloud.noise * spacing, cloud.samples_a_spot, seed);
             ++cells;
             std::printf("| %s | %g | %d | ", name.c_str(), cloud.noise, cloud.samples_a_spot);
             try

@@ -158,12 +158,16 @@ bool open_lids(Attempt& attempt, const Points& points, const AmlsReconstructionO
     return measure_mismatch(points, attempt, threads).sum() < clearly_better * mismatch;
 }
 
+struct WallSearch
+{
+    std::optional<Attempt> found = {};
+    bool has_none = false; ///< Whether there are none to find.
+};
+
 /// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
-/// is one; else that with an eighth and open lids, if the points object to lids and not to these. \param is_filled
-/// becomes false where the walls are found, or where there are none.
-std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstructionOptions& options,
-                                      const Attempt& first, bool& is_filled, PhaseTimes& times,
-                                      const Progress& progress)
+/// is one; else that with an eighth and open lids, if the points object to lids and not to these.
+WallSearch look_for_walls(const Points& points, const AmlsReconstructionOptions& options, const Attempt& first,
+                          PhaseTimes& times, const Progress& progress)
 {
     const int threads = resolve_threads(options.threads);
     const double noise = first.surface.report().noise;
@@ -183,18 +187,17 @@ std::optional<Attempt> look_for_walls(const Points& points, const AmlsReconstruc
             continue;
         }
         const TriangleMesh crust = crust_of(*last);
-        is_filled = has_lids(*last, crust, threads);
-        if (!is_filled)
-            return last;
+        if (!has_lids(*last, crust, threads))
+            return {std::move(last)};
         const double missed = measure_missed_points(last->found.frame.to_unit(points), crust, threads);
-        is_filled = !finds_no_walls(before, {missed, last->found.labelled.violated_votes});
-        if (!is_filled)
-            return {};
+        if (finds_no_walls(before, {missed, last->found.labelled.violated_votes}))
+            return {{}, true};
         if (missed > barely_less * before.missed)
             i = std::max(i, halvings - 1);
     }
-    is_filled = !last || !open_lids(*last, points, options, mismatch.sum(), times, progress.part(0.9, 1));
-    return is_filled ? std::nullopt : std::move(last);
+    if (last && open_lids(*last, points, options, mismatch.sum(), times, progress.part(0.9, 1)))
+        return {std::move(last)};
+    return {};
 }
 
 } // namespace
@@ -206,13 +209,12 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     PhaseTimes times;
     Attempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));
     const int threads = resolve_threads(options.threads);
-    bool is_filled = seems_filled(points, attempt, threads), has_found_walls = false;
-    if (is_filled && options.noise == 0)
-        if (auto finer = look_for_walls(points, options, attempt, is_filled, times, progress.part(0.7, 0.95)))
-        {
-            attempt = std::move(*finer);
-            has_found_walls = true;
-        }
+    const bool seemed_filled = seems_filled(points, attempt, threads);
+    WallSearch walls;
+    if (seemed_filled && options.noise == 0)
+        walls = look_for_walls(points, options, attempt, times, progress.part(0.7, 0.95));
+    if (walls.found)
+        attempt = std::move(*walls.found);
     const LabelledSamples& found = attempt.found;
     result.surface = attempt.surface.report();
     result.outliers = found.outliers;
@@ -225,9 +227,10 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
             result.warnings.push_back(text);
     if (found.lost_sheets > 0)
         result.warnings.push_back(describe_backs(found.lost_sheets));
-    if (attempt.is_opened || (has_found_walls && result.violated_votes > votes_of_holes))
-        result.warnings.push_back(opened_lids_text);
-    if (is_filled)
+    if (const std::string text = describe_thin_walls(attempt.is_opened, walls.found.has_value(), result.violated_votes);
+        !text.empty())
+        result.warnings.push_back(text);
+    if (seemed_filled && !walls.found && !walls.has_none)
         result.warnings.push_back(
             std::string(lost_walls_text) +
             " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");

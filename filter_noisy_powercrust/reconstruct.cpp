@@ -41,8 +41,9 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
     if (found.lost_walls)
         result.warnings.push_back(std::string(lost_walls_text) +
                                   " Set noise to what the scanner has, or scan more densely.");
-    if (found.opened || (found.found_walls && result.violated_votes > votes_of_holes))
-        result.warnings.push_back(opened_lids_text);
+    if (const std::string text = describe_thin_walls(found.opened, found.found_walls, result.violated_votes);
+        !text.empty())
+        result.warnings.push_back(text);
     if (const std::string text = describe_lost_sheets(found.lost_sheets, found.backs, denoise, points); !text.empty())
         result.warnings.push_back(text);
     if (const std::string text = describe(dropped); !text.empty())

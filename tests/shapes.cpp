@@ -437,6 +437,15 @@ Points with_noise_beyond(double x, const Points& points, double sigma, std::uint
     return result;
 }
 
+Points noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)
+{
+    Points result;
+    for (int copy = 0; copy < copies; ++copy)
+        for (const Point& p : with_noise(points, sigma, seed + std::uint64_t(copy)))
+            result.push_back(p);
+    return result;
+}
+
 Points with_noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)
 {
     Random random(seed);

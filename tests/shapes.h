@@ -116,6 +116,8 @@ double rms(const recon::Points& points, const std::function<double(const recon::
 recon::Points with_noise(const recon::Points& points, double sigma, std::uint64_t seed);
 /// The same of those points only whose x is larger than `x`.
 recon::Points with_noise_beyond(double x, const recon::Points& points, double sigma, std::uint64_t seed);
+/// So many noisy ones of each, of the seeds `seed`, `seed` + 1 and so on.
+recon::Points noisy_copies(const recon::Points& points, double sigma, int copies, std::uint64_t seed);
 /// Every point, and `copies` Gaussian copies of it: the clouds of Mederos et al. and of our benchmarks.
 recon::Points with_noisy_copies(const recon::Points& points, double sigma, int copies, std::uint64_t seed);
 

@@ -75,4 +75,13 @@ std::optional<LabelledBalls> label_with_open_lids(const Points& samples, const V
     return opened.violated_votes < options.most_violated ? std::optional(std::move(opened)) : std::nullopt;
 }
 
+std::string describe_thin_walls(bool opened, bool found_with_less_noise, double violated_votes)
+{
+    constexpr double votes_of_holes = 0.03; // 0.033 to 0.042 of those of walls of two sigma
+    if (!opened && !(found_with_less_noise && violated_votes > votes_of_holes))
+        return {};
+    return "Walls are hardly thicker than the noise or the spacing. What they hold was left hollow, since the points "
+           "object to filling it; the walls may have holes. Scan them more densely.";
+}
+
 } // namespace recon

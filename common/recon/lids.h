@@ -4,6 +4,7 @@
 #include <recon/labelled_balls.h>
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace recon
@@ -35,13 +36,9 @@ inline bool finds_no_walls(const PointsAgainst& before, const PointsAgainst& wit
     return (is_open && (are_left || with_less.missed > 0.05)) || (before.missed > 0.25 && are_left);
 }
 
-/// Share of violated votes above which walls found with less noise have many holes: 0.033 to 0.042 of those of two
-/// sigma.
-inline constexpr double votes_of_holes = 0.03;
-/// What to tell users then, or where lids were opened.
-inline constexpr char opened_lids_text[] =
-    "Walls are hardly thicker than the noise or the spacing. What they hold was left hollow, since the points object "
-    "to filling it; the walls may have holes. Scan them more densely.";
+/// What to tell users of walls that may have holes: lids were opened, or they were found with less noise and too many
+/// votes are violated. Empty: nothing.
+std::string describe_thin_walls(bool opened, bool found_with_less_noise, double violated_votes);
 
 /// Large inner balls that end at a lid: a face of the crust with no sample near, as over the mouth of a filled cup.
 /// \param samples those that `labelled` was made of. \returns their numbers, ascending.

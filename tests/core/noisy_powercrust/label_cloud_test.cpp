@@ -50,11 +50,8 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
                             Case{0.8, 0.2, 0.15, 5, 14}, Case{0.8, 0.4, 0.2, 5}})
     {
         const shapes::Cup cup(one.wall);
-        Points points;
-        for (unsigned seed = one.seed; points.size() < std::size_t(one.samples_a_spot) * cup.points.size(); ++seed)
-            for (const Point& p : shapes::with_noise(cup.points, one.noise, seed))
-                points.push_back(p);
-        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        const NoisyPowerCrust crust =
+            reconstruct_noisy_power_crust(shapes::noisy_copies(cup.points, one.noise, one.samples_a_spot, one.seed));
         const checks::MeshReport report = checks::examine_mesh(crust.mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
         EXPECT_NEAR(report.volume, cup.volume, one.error * cup.volume) << one.wall << ' ' << one.noise;
