@@ -1,6 +1,7 @@
 #include "complete_flats.h"
 
 #include "keep_apart.h"
+#include "rim_walls.h"
 
 #include <recon/neighbours.h>
 #include <recon/scramble.h>
@@ -229,12 +230,13 @@ Points fill_face(const FlatFace& face, const Points& rims, const Points& present
 FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& options, const Progress& progress)
 {
     FlatCompletion result;
-    std::deque<RimmedFace> faces;
-    for (FlatFace& face : find_flat_faces(samples, options, progress))
-        faces.emplace_back(std::move(face), samples);
-    result.faces = int(faces.size());
-    if (faces.empty())
+    const FlatFaces found = find_flat_faces(samples, options, progress);
+    if (found.bare.empty())
         return result;
+    std::deque<RimmedFace> faces;
+    for (const FlatFace& face : found.bare)
+        faces.emplace_back(face, samples);
+    result.faces = int(faces.size());
     const NeighbourSearch search(samples);
     for (const RimmedFace& face : faces)
     {
@@ -243,6 +245,12 @@ FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& opti
     }
     Points present = samples;
     present.insert(present.end(), result.points.begin(), result.points.end());
+    if (!found.mere_rims.empty())
+    {
+        const Points walls = fill_rim_walls(found, samples, present);
+        result.with_all_walls = result.points;
+        result.with_all_walls.insert(result.with_all_walls.end(), walls.begin(), walls.end());
+    }
     const NeighbourSearch search_present(present);
     WallFiller(search_present, present, faces).fill(result);
     return result;

@@ -11,8 +11,9 @@ namespace recon
 /// Samples put on flat faces that had none but on their rims.
 struct FlatCompletion
 {
-    Points points; ///< The new samples.
-    int faces = 0; ///< Flat faces completed [count].
+    Points points;         ///< The new samples, on faces and on walls between them.
+    int faces = 0;         ///< Flat faces completed [count].
+    Points with_all_walls; ///< Instead, less certain: on walls that end at other rims, too. Empty if there are none.
 };
 
 /// Finds flat faces without samples (find_flat_faces()) and fills them, densely near their rims and by 0.15 per unit of

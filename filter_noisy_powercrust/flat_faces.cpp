@@ -30,6 +30,11 @@ constexpr int fewest_around = 6;
 constexpr double folded_rims = 0.2;
 /// Share of a disc's rim along which it meets one other face.
 constexpr double shared_rim = 0.7;
+/// Samples of a level are no farther apart than this in height [tolerances].
+constexpr double level_step = 0.2;
+/// A curve of samples has two beside each, amid others there are six: most there may be within so many spacings.
+constexpr int most_beside_on_curve = 4;
+constexpr double nearby = 1.5;
 /// Circumradius of a planar Delaunay triangle, in rim spacings, above which it is bare ground.
 constexpr double bare_above = 1.2;
 
@@ -82,7 +87,7 @@ public:
     {
     }
 
-    std::vector<FlatFace> find(const Progress& progress)
+    FlatFaces find(const Progress& progress)
     {
         const int n = int(samples_.size());
         const int stride = std::max(1, n / most_seeds);
@@ -100,7 +105,7 @@ public:
         for (const SeedPlanes& planes : around_seed)
             std::copy_if(planes.begin(), planes.end(), std::back_inserter(candidates),
                          [](const Plane& plane) { return plane.tolerance > 0; });
-        std::vector<FlatFace> faces;
+        FlatFaces found;
         // Few enough at a time that they seldom grow into the same plane.
         constexpr std::size_t batch = 16;
         for (std::size_t begin = 0; begin < candidates.size(); begin += batch)
@@ -118,12 +123,12 @@ public:
                 if (int(members[k].size()) < options_.fewest_samples || is_known(grown[k]))
                     continue;
                 planes_.push_back(grown[k]);
-                if (is_on_rims(grown[k], members[k]))
-                    append_faces(grown[k], members[k], faces);
+                append_faces(grown[k], members[k], found);
             }
         }
-        drop_mouths(faces);
-        return faces;
+        drop_mouths(found);
+        append_levels(found);
+        return found;
     }
 
 private:
@@ -187,7 +192,11 @@ private:
     {
         return std::any_of(planes_.begin(), planes_.end(),
                            [&](const Plane& known)
-                           { return known.holds(plane.origin) && std::abs(known.normal.dot(plane.normal)) > 0.999; });
+                           { return known.holds(plane.origin) && is_parallel(known, plane.normal); });
+    }
+    static bool is_parallel(const Plane& plane, const Vector& normal)
+    {
+        return std::abs(plane.normal.dot(normal)) > 0.999;
     }
 
     /// Fits the plane to ever more of its samples. \returns all it has.
@@ -227,22 +236,30 @@ private:
                nearest[0].dot(nearest[1]) < -0.5 * below * above;
     }
 
-    /// Whether most of a few members neither cross the plane nor lie amid others in it.
-    bool is_on_rims(const Plane& plane, const std::vector<int>& members) const
+    /// Where most of a few members lie in their plane.
+    struct Ground
+    {
+        bool is_bare;  ///< On rims of bare ground: neither amid others, nor where the surface crosses the plane.
+        bool has_rims; ///< On curves at least.
+    };
+    Ground look_at_ground(const Plane& plane, const std::vector<int>& members) const
     {
         constexpr int few = 40;
         const int count = std::min(few, int(members.size()));
-        int on_rims = 0;
+        int on_bare_ground = 0, on_curves = 0;
         for (int k = 0; k < count; ++k)
         {
             const int v = members[members.size() * std::size_t(k) / std::size_t(count)];
-            if (is_crossing(plane, v))
-                continue;
+            const Neighbourhood near = look_around(search_, samples_[v]);
             Plane here = plane;
             here.origin = samples_[v];
-            on_rims += has_bare_ground(here, std::sqrt(look_around(search_, samples_[v]).squared[2]));
+            on_bare_ground += !is_crossing(plane, v) && has_bare_ground(here, std::sqrt(near.squared[2]));
+            int beside = 0;
+            for (int j = 1; j < near.count; ++j)
+                beside += near.squared[j] < nearby * nearby * near.squared[2] && plane.holds(samples_[near.indices[j]]);
+            on_curves += beside <= most_beside_on_curve;
         }
-        return 2 * on_rims >= count;
+        return {2 * on_bare_ground >= count, 2 * on_curves >= count};
     }
 
     /// Share of rim samples at which samples nearby lie above or below the face's ground: there the surface folds in
@@ -314,10 +331,10 @@ private:
 
     /// A disc may as well be the mouth of a hollow. It is a face where it meets one other face along its rim, as on a
     /// polyhedron; at a mouth two others meet, or none is flat.
-    void drop_mouths(std::vector<FlatFace>& faces) const
+    void drop_mouths(FlatFaces& found) const
     {
         std::vector<int> count(samples_.size(), 0);
-        for (const FlatFace& face : faces)
+        for (const FlatFace& face : found.bare)
             for (const int v : face.rim)
                 ++count[v];
         const auto is_mouth = [&](const FlatFace& face)
@@ -328,16 +345,25 @@ private:
             const auto shared = std::count_if(face.rim.begin(), face.rim.end(), [&](int v) { return count[v] == 2; });
             return double(shared) < shared_rim * double(face.rim.size());
         };
-        faces.erase(std::remove_if(faces.begin(), faces.end(), is_mouth), faces.end());
+        const auto mouths = std::stable_partition(found.bare.begin(), found.bare.end(),
+                                                  [&](const FlatFace& face) { return !is_mouth(face); });
+        std::move(mouths, found.bare.end(), std::back_inserter(found.mere_rims));
+        found.bare.erase(mouths, found.bare.end());
+    }
+
+    /// Median of its rim.
+    double measure_spacing(const FlatFace& face) const
+    {
+        std::vector<double> spacings;
+        for (const int v : face.rim)
+            spacings.push_back(std::sqrt(look_around(search_, samples_[v]).squared[2]));
+        return median(std::move(spacings));
     }
 
     /// Whether some of the face lies far from its rim, in spacings of the rim.
     bool is_bare(const FlatFace& face) const
     {
-        std::vector<double> spacings;
-        for (const int v : face.rim)
-            spacings.push_back(std::sqrt(look_around(search_, samples_[v]).squared[2]));
-        const double spacing = median(std::move(spacings));
+        const double spacing = measure_spacing(face);
         double largest = 0;
         for (const auto& t : face.triangles)
         {
@@ -348,33 +374,102 @@ private:
         return largest > bare_above * spacing;
     }
 
-    void append_faces(const Plane& plane, const std::vector<int>& members, std::vector<FlatFace>& faces) const
+    void append_faces(const Plane& plane, const std::vector<int>& members, FlatFaces& found) const
     {
-        std::vector<int> on_plane;
-        for (const int i : members)
-            if (!is_crossing(plane, i))
-                on_plane.push_back(i);
-        thin(plane.tolerance, on_plane);
-        if (int(on_plane.size()) < options_.fewest_samples)
+        const Ground ground = look_at_ground(plane, members);
+        if (!ground.is_bare)
+        {
+            if (ground.has_rims)
+                append(list_regions(plane, members), found.mere_rims);
             return;
+        }
+        std::vector<int> uncrossed;
+        std::copy_if(members.begin(), members.end(), std::back_inserter(uncrossed),
+                     [&](int i) { return !is_crossing(plane, i); });
+        for (FlatFace& face : list_regions(plane, std::move(uncrossed)))
+        {
+            const bool is_face = measure_folds(plane, face) <= folded_rims;
+            (!is_face ? found.mere_rims : is_bare(face) ? found.bare : found.narrow).push_back(std::move(face));
+        }
+    }
+
+    static void append(std::vector<FlatFace>&& regions, std::vector<FlatFace>& list)
+    {
+        std::move(regions.begin(), regions.end(), std::back_inserter(list));
+    }
+
+    /// What the rims of a plane enclose.
+    std::vector<FlatFace> list_regions(const Plane& plane, std::vector<int> on_plane) const
+    {
+        thin(plane.tolerance, on_plane);
+        std::vector<FlatFace> regions;
+        if (int(on_plane.size()) < options_.fewest_samples)
+            return regions;
         const Vector first = plane.normal.unitOrthogonal(), second = plane.normal.cross(first);
         std::vector<Eigen::Vector2d> flat;
         for (const int i : on_plane)
             flat.emplace_back(first.dot(samples_[i] - plane.origin), second.dot(samples_[i] - plane.origin));
         for (const PlanarFace& planar : fill_planar_rims(flat, 0))
         {
-            FlatFace face;
-            face.origin = plane.origin;
-            face.normal = plane.normal;
+            FlatFace region;
+            region.origin = plane.origin;
+            region.normal = plane.normal;
             for (const auto& t : planar.triangles)
-                face.triangles.push_back({on_plane[t[0]], on_plane[t[1]], on_plane[t[2]]});
+                region.triangles.push_back({on_plane[t[0]], on_plane[t[1]], on_plane[t[2]]});
             for (const int v : planar.rim)
-                face.rim.push_back(on_plane[v]);
-            if (int(face.rim.size()) >= options_.fewest_samples && is_bare(face) &&
-                measure_folds(plane, face) <= folded_rims)
-            {
-                faces.push_back(std::move(face));
-            }
+                region.rim.push_back(on_plane[v]);
+            if (int(region.rim.size()) >= options_.fewest_samples)
+                regions.push_back(std::move(region));
+        }
+        return regions;
+    }
+
+    /// Rims on levels that no seed's neighbours show: those of a fillet lie nearer to each other than their samples.
+    void append_levels(FlatFaces& found) const
+    {
+        std::vector<Plane> directions;
+        for (const FlatFace& face : found.bare)
+        {
+            const auto is_along = [&](const Plane& plane) { return is_parallel(plane, face.normal); };
+            if (std::any_of(directions.begin(), directions.end(), is_along))
+                continue;
+            Plane plane;
+            plane.origin = Point::Zero();
+            plane.normal = face.normal;
+            plane.tolerance = options_.tolerance * measure_spacing(face);
+            directions.push_back(plane);
+        }
+        for (const Plane& plane : directions)
+            append_levels_along(plane, found);
+    }
+
+    void append_levels_along(const Plane& direction, FlatFaces& found) const
+    {
+        std::vector<std::pair<double, int>> heights;
+        for (int i = 0; i < int(samples_.size()); ++i)
+            heights.emplace_back(direction.height(samples_[i]), i);
+        std::sort(heights.begin(), heights.end());
+        for (auto begin = heights.begin(), end = begin; begin != heights.end(); begin = end)
+        {
+            end = std::adjacent_find(begin, heights.end(),
+                                     [&](const auto& a, const auto& b)
+                                     { return b.first - a.first > level_step * direction.tolerance; });
+            end = end == heights.end() ? end : end + 1;
+            if (end - begin < options_.fewest_samples || (end - 1)->first - begin->first > 2 * direction.tolerance)
+                continue;
+            Plane level = direction;
+            level.origin = samples_[begin->second];
+            if (std::any_of(planes_.begin(), planes_.end(),
+                            [&](const Plane& known) {
+                                return is_parallel(known, level.normal) &&
+                                       std::abs(known.height(level.origin)) < 4 * level.tolerance;
+                            }))
+                continue;
+            std::vector<int> members;
+            std::transform(begin, end, std::back_inserter(members), [](const auto& entry) { return entry.second; });
+            std::sort(members.begin(), members.end());
+            if (look_at_ground(level, members).has_rims)
+                append(list_regions(level, std::move(members)), found.mere_rims);
         }
     }
 
@@ -386,7 +481,7 @@ private:
 
 } // namespace
 
-std::vector<FlatFace> find_flat_faces(const Points& samples, const FlatFaceOptions& options, const Progress& progress)
+FlatFaces find_flat_faces(const Points& samples, const FlatFaceOptions& options, const Progress& progress)
 {
     if (int(samples.size()) < options.fewest_samples)
         return {};

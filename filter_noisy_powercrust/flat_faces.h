@@ -29,12 +29,20 @@ struct FlatFace
                   ///< length (0 where two rims meet).
 };
 
+/// What rims enclose in their planes.
+struct FlatFaces
+{
+    std::vector<FlatFace> bare;   ///< Ground without samples.
+    std::vector<FlatFace> narrow; ///< Faces no wider than their rims are spaced: nothing is missing on them.
+    /// No faces, but rims: where chamfers, fillets, bores and cylinders end. What they enclose means nothing.
+    std::vector<FlatFace> mere_rims;
+};
+
 /// Finds planes that hold many samples and bare ground between them, and tells face from void by parity: seen in its
 /// plane, a rim has the face on one side only, and infinity is no face. A plane whose rims do not close, or a sheet of
 /// samples that crosses the plane, gives no face; nor does ground where the surface is not tangent to the plane (the
-/// disc in the mouth of a bowl). Well sampled clouds have none. \param samples distinct, of unit scale (UnitFrame).
-/// \throws Cancelled.
-std::vector<FlatFace> find_flat_faces(const Points& samples, const FlatFaceOptions& options = {},
-                                      const Progress& progress = {});
+/// disc in the mouth of a bowl). Well sampled clouds have none. Rims are also looked for on all levels parallel to a
+/// bare face. \param samples distinct, of unit scale (UnitFrame). \throws Cancelled.
+FlatFaces find_flat_faces(const Points& samples, const FlatFaceOptions& options = {}, const Progress& progress = {});
 
 } // namespace recon

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 using namespace recon;
@@ -146,6 +147,66 @@ TEST(CompleteFlats, LeavesNarrowRingsAlone)
     EXPECT_EQ(complete_flats(points).faces, 0);
 }
 
+TEST(CompleteFlats, PutsSamplesBetweenChamfersAndInCounterbores)
+{
+    const FlatCompletion completion = complete_flats(coupling());
+    EXPECT_EQ(completion.faces, 2);
+    int outside = 0, in_bore = 0, in_counterbores = 0, above_fillets = 0;
+    for (const Point& p : completion.with_all_walls)
+    {
+        if (std::min(p.z(), 0.25 - p.z()) < 1e-9)
+            continue;
+        const double r = std::hypot(p.x(), p.y());
+        double at = 1e300;
+        for (int k = 0; k < counterbores; ++k)
+            at = std::min(at, std::hypot(p.x() - counterbore_at * std::cos(2 * pi / counterbores * k),
+                                         p.y() - counterbore_at * std::sin(2 * pi / counterbores * k)));
+        // Chords of a circle of 20 are off by 0.012 of its radius.
+        const bool is_outside = distance_to_profile(coupling_outside, p.z(), r) < 1e-3,
+                   is_in_bore = distance_to_profile(coupling_bore, p.z(), r) < 1e-3,
+                   is_in_counterbore = distance_to_profile(coupling_counterbore, p.z(), at) < 1e-3;
+        EXPECT_TRUE(is_outside || is_in_bore || is_in_counterbore) << p.transpose();
+        outside += is_outside;
+        in_bore += is_in_bore;
+        in_counterbores += is_in_counterbore;
+        above_fillets += is_in_counterbore && p.z() > 0.13;
+    }
+    EXPECT_GT(outside, 200);
+    EXPECT_GT(in_bore, 50);
+    EXPECT_GT(in_counterbores, counterbores * 50);
+    EXPECT_GT(above_fillets, counterbores * 50);
+}
+
+TEST(CompleteFlats, PutsNoWallsIntoALathedShape)
+{
+    // Rings on one side of a waist or a bulge lie straight above those on the other. As far from the next ring as
+    // samples of one from each other, or three and six times as far.
+    for (const auto& [wide, swing, height, rings, around] :
+         {std::array<double, 5>{0.25, 0.15, 0.6, 30, 60}, std::array<double, 5>{0.3, 0.1, 0.9, 24, 200},
+          std::array<double, 5>{0.25, -0.15, 0.8, 30, 90}})
+    {
+        std::vector<Ring> profile;
+        for (int k = 0; k <= int(rings); ++k)
+            profile.push_back({height * k / rings, wide + swing * std::cos(2 * pi * k / rings)});
+        Points points;
+        for (const auto& [z, radius] : profile)
+            append_ring(points, 0, 0, z, radius, int(around));
+        const double hole = 0.4 * profile.front().radius;
+        for (const double z : {0.0, height})
+            append_ring(points, 0, 0, z, hole, 30);
+        const FlatCompletion completion = complete_flats(points);
+        for (const Point& p : completion.with_all_walls)
+        {
+            const double r = std::hypot(p.x(), p.y());
+            EXPECT_TRUE(std::min(p.z(), height - p.z()) < 1e-9 || std::abs(r - hole) < 0.02 * hole ||
+                        distance_to_profile(profile, p.z(), r) < 2e-3)
+                << p.transpose() << " " << around;
+        }
+        EXPECT_EQ(completion.faces, 2);
+        EXPECT_GT(completion.with_all_walls.size(), 100u);
+    }
+}
+
 TEST(CompleteFlats, SameForAnyNumberOfThreads)
 {
     FlatFaceOptions one, two;
@@ -163,6 +224,17 @@ TEST(CompleteFlats, CrustOfAFlangeHasItsBores)
     expect_bored_flange(crust.mesh);
     EXPECT_GT(crust.completed, 0);
     EXPECT_EQ(crust.samples, crust.points_used + crust.completed);
+}
+
+TEST(CompleteFlats, CrustOfACouplingHasItsBores)
+{
+    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(coupling()).mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 1 + counterbores);
+    const double volume = lathed_volume(coupling_outside) - lathed_volume(coupling_bore) -
+                          counterbores * lathed_volume(coupling_counterbore);
+    EXPECT_NEAR(report.volume / volume, 1, 0.03);
 }
 
 TEST(CompleteFlats, CrustOfAFlatBracketSampledAlongItsEdges)

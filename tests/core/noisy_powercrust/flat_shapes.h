@@ -53,6 +53,62 @@ inline void expect_bored_flange(const recon::TriangleMesh& mesh)
     EXPECT_NEAR(report.volume / (area * thickness), 1, 0.03);
 }
 
+/// Circles around the z axis or parallel to it.
+struct Ring
+{
+    double z, radius;
+};
+
+inline constexpr int counterbores = 3;
+inline constexpr double counterbore_at = 0.3;
+inline const std::vector<Ring> coupling_outside = {{0, 0.44}, {0.01, 0.45}, {0.24, 0.45}, {0.25, 0.44}};
+inline const std::vector<Ring> coupling_bore = {{0, 0.1}, {0.25, 0.1}};
+/// With a fillet at its ground.
+inline const std::vector<Ring> coupling_counterbore = {{0, 0.03},     {0.12, 0.03}, {0.12, 0.054}, {0.1212, 0.0582},
+                                                       {0.126, 0.06}, {0.24, 0.06}, {0.25, 0.07}};
+
+/// A disc with chamfers, a bore and counterbores, sampled on its rims only.
+inline recon::Points coupling()
+{
+    recon::Points points;
+    for (const auto& [z, radius] : coupling_outside)
+        append_ring(points, 0, 0, z, radius, 80);
+    for (const auto& [z, radius] : coupling_bore)
+        append_ring(points, 0, 0, z, radius, 30);
+    for (int k = 0; k < counterbores; ++k)
+        for (const auto& [z, radius] : coupling_counterbore)
+            append_ring(points, counterbore_at * std::cos(2 * pi / counterbores * k),
+                        counterbore_at * std::sin(2 * pi / counterbores * k), z, radius, 24);
+    return points;
+}
+
+/// Of what the rings' profile encloses with the axis.
+inline double lathed_volume(const std::vector<Ring>& rings)
+{
+    double volume = 0;
+    for (std::size_t i = 1; i < rings.size(); ++i)
+    {
+        const double a = rings[i - 1].radius, b = rings[i].radius;
+        volume += pi / 3 * (rings[i].z - rings[i - 1].z) * (a * a + a * b + b * b);
+    }
+    return volume;
+}
+
+/// Distance to the profile in the half plane through the axis.
+inline double distance_to_profile(const std::vector<Ring>& rings, double z, double radius)
+{
+    const Eigen::Vector2d p(z, radius);
+    double least = 1e300;
+    for (std::size_t i = 1; i < rings.size(); ++i)
+    {
+        const Eigen::Vector2d a(rings[i - 1].z, rings[i - 1].radius),
+            side = Eigen::Vector2d(rings[i].z, rings[i].radius) - a;
+        const double along = std::clamp((p - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+        least = std::min(least, (p - a - along * side).norm());
+    }
+    return least;
+}
+
 /// A prism sampled along its edges only.
 inline recon::Points prism(const std::vector<Eigen::Vector2d>& polygon, double height, double spacing)
 {
