@@ -144,9 +144,11 @@ private:
             last.violated = finer.attempt.labelled.violated_votes;
             const double missed = finer.mismatch.missed_points;
             const bool is_hollow = finer.mismatch.bare_area <= bare_lid && missed < best.mismatch.missed_points;
-            if (has_flats && !is_hollow && missed > hopeless * best.mismatch.missed_points)
+            const bool has_better_flats = has_flats && completes_more(finer.attempt, best.attempt);
+            if (has_flats && !is_hollow && !has_better_flats && missed > hopeless * best.mismatch.missed_points)
                 break;
-            if ((is_hollow || missed < std::pow(share, i) * missed_before) && !lays_bare(finer.attempt, best.attempt))
+            if (has_better_flats || ((is_hollow || missed < std::pow(share, i) * missed_before) &&
+                                     !lays_bare(finer.attempt, best.attempt)))
             {
                 best = std::move(finer);
                 best.attempt.found_walls = true;
@@ -168,6 +170,13 @@ private:
             return false;
         const double before = lack(best), after = lack(finer);
         return after > laid_bare * before;
+    }
+
+    /// Whether other faces were completed, which lack clearly less and contradict no more votes.
+    bool completes_more(LabelledCloud& finer, LabelledCloud& best)
+    {
+        return finer.completed > 0 && finer.labelled.violated_votes <= best.labelled.violated_votes &&
+               lack(finer) < clearly_better * lack(best);
     }
 
     double lack(LabelledCloud& found)
