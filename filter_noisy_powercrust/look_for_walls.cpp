@@ -147,8 +147,8 @@ private:
             const bool has_better_flats = has_flats && completes_more(finer.attempt, best.attempt);
             if (has_flats && !is_hollow && !has_better_flats && missed > hopeless * best.mismatch.missed_points)
                 break;
-            if (has_better_flats || ((is_hollow || missed < std::pow(share, i) * missed_before) &&
-                                     !lays_bare(finer.attempt, best.attempt)))
+            if (has_better_flats ||
+                ((is_hollow || missed < std::pow(share, i) * missed_before) && !lays_bare(finer.attempt, best.attempt)))
             {
                 best = std::move(finer);
                 best.attempt.found_walls = true;
