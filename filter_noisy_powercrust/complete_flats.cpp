@@ -2,6 +2,7 @@
 
 #include "keep_apart.h"
 #include "rim_walls.h"
+#include "wall_samples.h"
 
 #include <recon/neighbours.h>
 #include <recon/scramble.h>
@@ -133,7 +134,7 @@ class WallFiller
 {
 public:
     WallFiller(const NeighbourSearch& search, const Points& samples, const std::deque<RimmedFace>& faces)
-        : search_(search), samples_(samples), faces_(faces), uses_(samples.size(), 0)
+        : faces_(faces), uses_(samples.size(), 0), walls_(search, samples)
     {
         for (const RimmedFace& face : faces)
             for (const int v : face.face.rim)
@@ -153,9 +154,8 @@ public:
                     continue;
                 raise(foot, top);
             }
-        // Walls may meet: the side of a box is one in two directions.
-        for (const int k : keep_apart(positions_, radii_))
-            result.points.push_back(positions_[k]);
+        const Points walls = walls_.thin();
+        result.points.insert(result.points.end(), walls.begin(), walls.end());
     }
 
 private:
@@ -197,25 +197,13 @@ private:
 
     void raise(const Foot& foot, const Foot& top)
     {
-        const Point &a = position(foot), &b = position(top);
         const double spacing = std::min(faces_[foot.face].spacing[foot.rim], faces_[top.face].spacing[top.rim]);
-        const int pieces = int(std::ceil((b - a).norm() / spacing));
-        for (int k = 1; k < pieces; ++k)
-        {
-            const Point p = a + (b - a) * (double(k) / pieces);
-            if ((samples_[search_.nearest(p)] - p).norm() < 0.5 * spacing)
-                continue;
-            positions_.push_back(p);
-            radii_.push_back(0.5 * spacing);
-        }
+        walls_.raise(position(foot), position(top), spacing);
     }
 
-    const NeighbourSearch& search_;
-    const Points& samples_;
     const std::deque<RimmedFace>& faces_;
     std::vector<int> uses_; ///< Per sample: faces that it bounds.
-    Points positions_;      ///< New samples before thinning, and how far they keep from each other.
-    std::vector<double> radii_;
+    WallSamples walls_;
 };
 
 } // namespace

@@ -1,7 +1,7 @@
 #include "rim_walls.h"
 
-#include "keep_apart.h"
 #include "planar_faces.h"
+#include "wall_samples.h"
 
 #include <recon/disjoint_sets.h>
 #include <recon/neighbours.h>
@@ -68,8 +68,8 @@ class RimWallFiller
 {
 public:
     RimWallFiller(const FlatFaces& faces, const Points& samples, const Points& present)
-        : samples_(samples), present_(present), search_(samples), search_present_(present), bounded_(samples.size()),
-          places_(samples.size())
+        : samples_(samples), search_(samples), search_present_(present), bounded_(samples.size()),
+          places_(samples.size()), walls_(search_present_, present)
     {
         for (const auto* list : {&faces.bare, &faces.narrow, &faces.mere_rims})
             for (const FlatFace& face : *list)
@@ -80,10 +80,7 @@ public:
     {
         add_strips();
         raise_walls();
-        Points result;
-        for (const int k : keep_apart(positions_, radii_))
-            result.push_back(positions_[k]);
-        return result;
+        return walls_.thin();
     }
 
 private:
@@ -242,7 +239,7 @@ private:
                 continue;
             at_foot.add(wall.top);
             at_top.add(wall.foot);
-            raise(foot.points[wall.place], wall.end, foot.spacing[wall.place]);
+            walls_.raise(foot.points[wall.place], wall.end, foot.spacing[wall.place]);
         }
     }
 
@@ -293,28 +290,13 @@ private:
                             });
     }
 
-    void raise(const Point& foot, const Point& end, double spacing)
-    {
-        const int pieces = int(std::ceil((end - foot).norm() / spacing));
-        for (int k = 1; k < pieces; ++k)
-        {
-            const Point p = foot + (end - foot) * (double(k) / pieces);
-            if ((present_[search_present_.nearest(p)] - p).norm() < 0.5 * spacing)
-                continue;
-            positions_.push_back(p);
-            radii_.push_back(0.5 * spacing);
-        }
-    }
-
     const Points& samples_;
-    const Points& present_;
     NeighbourSearch search_, search_present_;
     std::deque<Loop> loops_;
     std::vector<Bounded> bounded_;                         ///< Per sample.
     std::vector<std::vector<std::pair<int, int>>> places_; ///< Per sample: loops that it lies on, and where.
     std::vector<std::vector<Beside>> beside_;              ///< Per loop and its samples.
-    Points positions_; ///< New samples before thinning, and how far they keep from each other.
-    std::vector<double> radii_;
+    WallSamples walls_;
 };
 
 } // namespace
