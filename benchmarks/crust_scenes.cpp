@@ -8,10 +8,10 @@
 
 #include "filter_amls/outward_normals.h"
 #include "filter_amls/reconstruct_amls.h"
-#include "filter_noisy_powercrust/keep_apart.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
+#include <recon/keep_apart.h>
 
 #include <Eigen/Geometry>
 

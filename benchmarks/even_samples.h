@@ -2,7 +2,7 @@
 
 #include "area_sampler.h"
 
-#include "filter_noisy_powercrust/keep_apart.h"
+#include <recon/keep_apart.h>
 
 namespace benchmarks
 {

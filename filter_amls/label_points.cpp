@@ -12,6 +12,7 @@
 #include <recon/cleanness.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
+#include <recon/label_flats.h>
 #include <recon/mismatch.h>
 
 #include <algorithm>
@@ -179,6 +180,31 @@ struct PointsAsTheyAre
     Cleanness cleanness;
 };
 
+/// Exact points whose bare flat faces could be completed, see complete_flats.h: no open scan has such.
+std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_are,
+                                                const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                const Progress& progress)
+{
+    times.begin("flat faces");
+    FlatFaceOptions options;
+    options.threads = labelling.threads;
+    const FlatCompletion completion =
+        complete_flats(as_they_are.distinct, options, progress.part(0, 0.2, "flat faces"));
+    if (completion.points.empty())
+        return {};
+    const auto label = [&](const Points& samples)
+    { return label_polar_balls(samples, {}, labelling, times, progress.part(0.2, 1, "polar balls")); };
+    std::optional<LabelledFlats> found =
+        label_with_flats(as_they_are.distinct, completion, label(as_they_are.distinct).violated_votes, label);
+    if (!found)
+        return {};
+    LabelledSamples result{as_they_are.frame, std::move(found->samples), std::move(found->labelled),
+                           as_they_are.isolated, true};
+    result.completed = found->added;
+    result.is_settled = true;
+    return result;
+}
+
 /// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
 /// not exact as far as can be told, or too open.
 std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they_are, const Points& points,
@@ -186,6 +212,8 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
                                                   PhaseTimes& times, const Progress& progress)
 {
     const AmlsSurfaceReport& report = surface.report();
+    if (auto flats = label_bare_flats(as_they_are, labelling, times, progress.part(0, 0.1)))
+        return flats;
     if (!looks_exact(as_they_are.cleanness, report.least_noise))
         return {};
     const Points& distinct = as_they_are.distinct;

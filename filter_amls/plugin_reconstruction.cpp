@@ -39,12 +39,19 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Reconstr
 
     plugin::FilterResult result;
     result.values = {
-        {"noise", found.surface.noise},   {"spacing", found.surface.spacing},
-        {"rho_e", found.surface.rho_e},   {"samples", found.samples},
-        {"outliers", found.outliers},     {"vertices_on_surface", found.vertices_on_surface},
-        {"components", found.components}, {"euler_characteristic", found.euler_characteristic},
-        {"genus", found.genus},           {"boundary_loops", found.boundary_loops},
-        {"open", found.surface.open},     {"violated_votes", found.violated_votes},
+        {"noise", found.surface.noise},
+        {"spacing", found.surface.spacing},
+        {"rho_e", found.surface.rho_e},
+        {"samples", found.samples},
+        {"completed", found.completed},
+        {"outliers", found.outliers},
+        {"vertices_on_surface", found.vertices_on_surface},
+        {"components", found.components},
+        {"euler_characteristic", found.euler_characteristic},
+        {"genus", found.genus},
+        {"boundary_loops", found.boundary_loops},
+        {"open", found.surface.open},
+        {"violated_votes", found.violated_votes},
     };
     plugin::append_seconds(result, found.seconds);
     result.warnings = std::move(found.warnings);

@@ -219,6 +219,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     result.surface = attempt.surface.report();
     result.outliers = found.outliers;
     result.samples = int(found.samples.size()) - found.backs;
+    result.completed = found.completed;
     result.violated_votes = found.labelled.violated_votes;
     result.mesh = std::move(attempt.mesh);
     std::vector<char>& is_on_surface = attempt.is_on_surface;

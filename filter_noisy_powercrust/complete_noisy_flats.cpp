@@ -1,10 +1,10 @@
 #include "complete_noisy_flats.h"
 
-#include "complete_flats.h"
-#include "keep_apart.h"
 #include "noisy_faces.h"
 #include "noisy_walls.h"
 #include "way_out.h"
+#include <recon/complete_flats.h>
+#include <recon/keep_apart.h>
 
 #include <recon/median.h>
 #include <recon/neighbours.h>

@@ -2,6 +2,7 @@
 
 #include "complete_noisy_flats.h"
 
+#include <recon/label_flats.h>
 #include <recon/mismatch.h>
 
 #include <algorithm>
@@ -16,12 +17,6 @@ namespace
 
 /// Up to this share of violated votes a denoised cloud is not searched for bare faces.
 constexpr double calm_votes = 0.005;
-/// Completed flat faces stay if this share of the votes violated before is left: 0.23 to 0.58 where they were faces,
-/// 0.77 and more where one was not.
-constexpr double clearly_fewer = 0.65;
-/// On clean samples, which lie in a face's plane exactly, also up to this share of violated votes; walls between all
-/// rims only up to it: 0.001 to 0.012 where they were right, 0.018 to 0.22 where some were not.
-constexpr double certain_votes = 0.02;
 /// Widths of the slabs in which planes are sought, in turns, while the votes refuse the completed crust or it is bare
 /// or in pieces [1 = by the noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area
 /// tells.
@@ -93,27 +88,16 @@ void judge(CompletedFlats& flats, const PreparedSamples& cloud, double noise, in
     flats.bodies = measure_closed_topology(crust).components;
 }
 
-using Label = std::function<LabelledBalls(const Completion&)>;
+using Label = std::function<LabelledBalls(const Points& samples, const Vectors& normals)>;
 
-/// On faces; then, if votes are clearly for it, on all walls.
 std::optional<CompletedFlats> complete_exact(const PreparedSamples& cloud, const LabelledBalls& plain,
                                              const Label& label)
 {
-    std::optional<CompletedFlats> best;
-    const auto attempt = [&](const Points& added, double bearable)
-    {
-        if (added.empty())
-            return;
-        Completion completion = join(cloud, added, {}, std::vector<char>(cloud.samples.size(), 0));
-        LabelledBalls labelled = label(completion);
-        if (labelled.violated_votes <= bearable)
-            best = CompletedFlats{std::move(completion), std::move(labelled)};
-    };
-    const double before = plain.violated_votes;
-    attempt(cloud.completion.points, std::max(certain_votes, clearly_fewer * before));
-    const double now = best ? best->labelled.violated_votes : before;
-    attempt(cloud.completion.with_all_walls, std::min({certain_votes, clearly_fewer * now, before}));
-    return best;
+    std::optional<LabelledFlats> found = label_with_flats(cloud.samples, cloud.completion, plain.violated_votes,
+                                                          [&](const Points& samples) { return label(samples, {}); });
+    if (!found)
+        return {};
+    return CompletedFlats{{std::move(found->samples), {}, found->added}, std::move(found->labelled)};
 }
 
 /// In slabs of several widths.
@@ -127,11 +111,11 @@ std::optional<CompletedFlats> complete_noisy(const PreparedSamples& cloud, const
         std::optional<Completion> completion = complete(cloud, width, times, labelling.threads);
         if (!completion)
             break;
-        LabelledBalls labelled = label(*completion);
+        LabelledBalls labelled = label(completion->samples, completion->normals);
         CompletedFlats flats{std::move(*completion), std::move(labelled)};
         // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
         // are.
-        if (flats.labelled.violated_votes <= clearly_fewer * plain.violated_votes)
+        if (flats.labelled.violated_votes <= clearly_fewer_with_flats * plain.violated_votes)
         {
             times.begin("mismatch");
             judge(flats, cloud, labelling.noise_taken, labelling.threads);
@@ -170,8 +154,8 @@ LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& l
     if (plain.violated_votes > labelling.most_violated ||
         (cloud.denoised && (plain.violated_votes <= calm_votes || !(cloud.noise > 0))))
         return {std::move(cloud), std::move(plain)};
-    const Label label_completed = [&](const Completion& completion)
-    { return label(completion.samples, completion.normals, 0.6, 1); };
+    const Label label_completed = [&](const Points& samples, const Vectors& normals)
+    { return label(samples, normals, 0.6, 1); };
     std::optional<CompletedFlats> best = cloud.denoised
                                              ? complete_noisy(cloud, plain, labelling, label_completed, times)
                                              : complete_exact(cloud, plain, label_completed);

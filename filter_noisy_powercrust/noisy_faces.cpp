@@ -1,7 +1,7 @@
 #include "noisy_faces.h"
 
-#include "keep_apart.h"
-#include "planar_faces.h"
+#include <recon/keep_apart.h>
+#include <recon/planar_faces.h>
 
 #include <recon/block_search.h>
 #include <recon/median.h>

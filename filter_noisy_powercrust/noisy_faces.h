@@ -1,7 +1,7 @@
 #pragma once
 
-#include "flat_faces.h"
 #include "noisy_planes.h"
+#include <recon/flat_faces.h>
 
 namespace recon
 {

@@ -1,7 +1,7 @@
 #include "noisy_walls.h"
 
 #include "noisy_planes.h"
-#include "planar_faces.h"
+#include <recon/planar_faces.h>
 
 #include <recon/disjoint_sets.h>
 #include <recon/median.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "complete_flats.h"
 #include "filter_amls/surface.h"
+#include <recon/complete_flats.h>
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

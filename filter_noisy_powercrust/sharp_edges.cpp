@@ -1,7 +1,7 @@
 #include "sharp_edges.h"
 
-#include "keep_apart.h"
 #include "wedge.h"
+#include <recon/keep_apart.h>
 
 #include <recon/flip_edges.h>
 #include <recon/half_edge_mesh.h>

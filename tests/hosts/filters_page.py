@@ -28,6 +28,7 @@ KINDS = {"RichAbsPerc": "length", "RichFloat": "number", "RichInt": "count", "Ri
 
 NOISE = {"noise": "standard deviation of the noise, estimated or given (length)"}
 SPACING = {"spacing": "median distance of neighbouring points (length)"}
+COMPLETED = "of these, put on flat faces that had none but on their rims, and on walls between rims"
 SURFACE = {
     **NOISE, **SPACING,
     "width": "median width of the weights (length)",
@@ -67,6 +68,7 @@ VALUES = {
         **NOISE, **SPACING, **OUTLIERS, **TOPOLOGY,
         "rho_e": SURFACE["rho_e"], "open": SURFACE["open"],
         "samples": "points that the mesh was made of: projected and thinned, or those of a clean cloud",
+        "completed": COMPLETED,
         "vertices_on_surface": "vertices on the AMLS surface; the others close holes, or are points of a clean cloud",
         "boundary_loops": "rims, 0 unless opened",
     },
@@ -74,7 +76,7 @@ VALUES = {
         **NOISE, **TOPOLOGY, **OUTLIERS,
         "spacing": "median local spacing of the samples (length)",
         "points_used": "distinct input points", "denoised": "whether the points were projected and thinned first",
-        "samples": "points that the crust was made of", "completed": "of these, put on flat faces that had none but on their rims",
+        "samples": "points that the crust was made of", "completed": COMPLETED,
         "edge_vertices": "vertices of the crust moved onto the two faces of a sharp edge",
         "smallest_ball": "radius of the smallest polar ball kept (length)", "balls_kept": "polar balls kept",
         "cleanness": "share of samples that look free of noise; below 0.7 the noise is looked at more closely",

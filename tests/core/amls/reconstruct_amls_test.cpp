@@ -1,6 +1,7 @@
 #include "filter_amls/reconstruct_amls.h"
 
 #include "tests/checks.h"
+#include "tests/flat_shapes.h"
 #include "tests/ground_scenes.h"
 #include "tests/open_sheets.h"
 #include "tests/shapes.h"
@@ -127,6 +128,15 @@ TEST(ReconstructAmls, PassesThroughCleanPoints)
 }
 
 // A deep cup scanned from all around: labels of the points as they are fill it, and the points object.
+TEST(ReconstructAmls, BareFlatFacesOfCleanPartsAreCompleted)
+{
+    const Points points = flat_shapes::coupling();
+    const AmlsReconstruction found = reconstruct_amls(points);
+    flat_shapes::expect_bored_coupling(found.mesh);
+    EXPECT_EQ(found.samples, int(points.size()) + found.completed);
+    flat_shapes::expect_bored_flange(reconstruct_amls(flat_shapes::flange()).mesh);
+}
+
 TEST(ReconstructAmls, DeepHollowsOfScansAreNotFilled)
 {
     const double side = 0.5, height = 0.9, wall = 0.03;

@@ -1,10 +1,10 @@
-#include "filter_noisy_powercrust/complete_flats.h"
-#include "filter_noisy_powercrust/planar_faces.h"
 #include "filter_noisy_powercrust/prepare_samples.h"
 #include "filter_noisy_powercrust/reconstruct.h"
+#include <recon/complete_flats.h>
+#include <recon/planar_faces.h>
 
-#include "flat_shapes.h"
 #include "tests/checks.h"
+#include "tests/flat_shapes.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
@@ -228,13 +228,7 @@ TEST(CompleteFlats, CrustOfAFlangeHasItsBores)
 
 TEST(CompleteFlats, CrustOfACouplingHasItsBores)
 {
-    const checks::MeshReport report = checks::examine_mesh(reconstruct_noisy_power_crust(coupling()).mesh);
-    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-    EXPECT_EQ(report.components, 1);
-    EXPECT_EQ(report.genus(), 1 + counterbores);
-    const double volume = lathed_volume(coupling_outside) - lathed_volume(coupling_bore) -
-                          counterbores * lathed_volume(coupling_counterbore);
-    EXPECT_NEAR(report.volume / volume, 1, 0.03);
+    expect_bored_coupling(reconstruct_noisy_power_crust(coupling()).mesh);
 }
 
 TEST(CompleteFlats, CrustOfAFlatBracketSampledAlongItsEdges)

@@ -2,8 +2,8 @@
 #include "filter_noisy_powercrust/prepare_samples.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
-#include "flat_shapes.h"
 #include "tests/checks.h"
+#include "tests/flat_shapes.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 #include "filter_noisy_powercrust/label_cloud.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
-#include "flat_shapes.h"
 #include "tests/checks.h"
+#include "tests/flat_shapes.h"
 #include "tests/open_sheets.h"
 #include "tests/shapes.h"
 

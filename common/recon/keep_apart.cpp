@@ -1,4 +1,4 @@
-#include "keep_apart.h"
+#include <recon/keep_apart.h>
 
 #include <recon/neighbours.h>
 

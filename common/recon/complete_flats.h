@@ -1,6 +1,6 @@
 #pragma once
 
-#include "flat_faces.h"
+#include <recon/flat_faces.h>
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

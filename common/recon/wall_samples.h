@@ -1,6 +1,6 @@
 #pragma once
 
-#include "keep_apart.h"
+#include <recon/keep_apart.h>
 
 #include <recon/geometry.h>
 #include <recon/neighbours.h>

@@ -1,4 +1,4 @@
-#include "planar_faces.h"
+#include <recon/planar_faces.h>
 
 #include <recon/delaunay.h>
 #include <recon/disjoint_sets.h>

@@ -1,7 +1,7 @@
-#include "rim_walls.h"
+#include <recon/rim_walls.h>
 
-#include "planar_faces.h"
-#include "wall_samples.h"
+#include <recon/planar_faces.h>
+#include <recon/wall_samples.h>
 
 #include <recon/disjoint_sets.h>
 #include <recon/neighbours.h>

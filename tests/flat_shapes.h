@@ -94,6 +94,18 @@ inline double lathed_volume(const std::vector<Ring>& rings)
     return volume;
 }
 
+/// One closed surface with all holes of the coupling and its volume.
+inline void expect_bored_coupling(const recon::TriangleMesh& mesh)
+{
+    const checks::MeshReport report = checks::examine_mesh(mesh);
+    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.genus(), 1 + counterbores);
+    const double volume = lathed_volume(coupling_outside) - lathed_volume(coupling_bore) -
+                          counterbores * lathed_volume(coupling_counterbore);
+    EXPECT_NEAR(report.volume / volume, 1, 0.03);
+}
+
 /// Distance to the profile in the half plane through the axis.
 inline double distance_to_profile(const std::vector<Ring>& rings, double z, double radius)
 {

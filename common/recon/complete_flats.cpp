@@ -1,8 +1,8 @@
-#include "complete_flats.h"
+#include <recon/complete_flats.h>
 
-#include "keep_apart.h"
-#include "rim_walls.h"
-#include "wall_samples.h"
+#include <recon/keep_apart.h>
+#include <recon/rim_walls.h>
+#include <recon/wall_samples.h>
 
 #include <recon/neighbours.h>
 #include <recon/scramble.h>

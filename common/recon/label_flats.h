@@ -1,0 +1,29 @@
+#pragma once
+
+#include <recon/complete_flats.h>
+#include <recon/labelled_balls.h>
+
+#include <functional>
+#include <optional>
+
+namespace recon
+{
+
+/// Completed flat faces stay if this share of the votes violated before is left: under noise 0.23 to 0.58 where they
+/// were faces, 0.77 and more where one was not.
+inline constexpr double clearly_fewer_with_flats = 0.65;
+
+/// Exact samples with those put on flat faces, which come last.
+struct LabelledFlats
+{
+    Points samples;
+    LabelledBalls labelled;
+    int added = 0; ///< [count]
+};
+
+/// Labels of exact samples with their bare flat faces completed; then, if votes are clearly for it, with all walls,
+/// too. None if votes are for neither. \param violated share of votes that the labels without these violate.
+std::optional<LabelledFlats> label_with_flats(const Points& samples, const FlatCompletion& completion, double violated,
+                                              const std::function<LabelledBalls(const Points&)>& label);
+
+} // namespace recon
