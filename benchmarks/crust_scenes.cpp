@@ -3,14 +3,14 @@
 // One Markdown row a scene: share of samples whose normal is right (filter "Compute normals"), and share that a crust
 // reaches within 2.5 spacings and faces as they do, by the power crust and by AMLS's reconstruction, both with open
 // holes. Odd seeds are turned at random, so that no axis is up.
-#include "mesh_distance.h"
-#include "models.h"
-
 #include "filter_amls/outward_normals.h"
 #include "filter_amls/reconstruct_amls.h"
 #include "filter_noisy_powercrust/reconstruct.h"
+#include "mesh_distance.h"
+#include "models.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"
+
 #include <recon/keep_apart.h>
 
 #include <Eigen/Geometry>

@@ -3,9 +3,9 @@
 #include "noisy_faces.h"
 #include "noisy_walls.h"
 #include "way_out.h"
+
 #include <recon/complete_flats.h>
 #include <recon/keep_apart.h>
-
 #include <recon/median.h>
 #include <recon/neighbours.h>
 

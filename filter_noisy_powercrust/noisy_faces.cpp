@@ -1,12 +1,11 @@
 #include "noisy_faces.h"
 
-#include <recon/keep_apart.h>
-#include <recon/planar_faces.h>
-
 #include <recon/block_search.h>
+#include <recon/keep_apart.h>
 #include <recon/median.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/planar_faces.h>
 
 #include <Eigen/Dense>
 

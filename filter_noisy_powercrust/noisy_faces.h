@@ -1,6 +1,7 @@
 #pragma once
 
 #include "noisy_planes.h"
+
 #include <recon/flat_faces.h>
 
 namespace recon

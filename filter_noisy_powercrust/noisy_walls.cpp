@@ -1,10 +1,10 @@
 #include "noisy_walls.h"
 
 #include "noisy_planes.h"
-#include <recon/planar_faces.h>
 
 #include <recon/disjoint_sets.h>
 #include <recon/median.h>
+#include <recon/planar_faces.h>
 
 #include <algorithm>
 #include <cmath>

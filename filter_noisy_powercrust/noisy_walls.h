@@ -1,8 +1,7 @@
 #pragma once
 
-#include <recon/flat_faces.h>
-
 #include <recon/block_search.h>
+#include <recon/flat_faces.h>
 
 #include <array>
 #include <vector>

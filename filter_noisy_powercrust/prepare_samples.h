@@ -1,8 +1,8 @@
 #pragma once
 
 #include "filter_amls/surface.h"
-#include <recon/complete_flats.h>
 
+#include <recon/complete_flats.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 

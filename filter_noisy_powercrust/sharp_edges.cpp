@@ -1,10 +1,10 @@
 #include "sharp_edges.h"
 
 #include "wedge.h"
-#include <recon/keep_apart.h>
 
 #include <recon/flip_edges.h>
 #include <recon/half_edge_mesh.h>
+#include <recon/keep_apart.h>
 #include <recon/median.h>
 #include <recon/nearest_samples.h>
 #include <recon/parallel.h>

@@ -1,11 +1,10 @@
 #include <recon/complete_flats.h>
 
 #include <recon/keep_apart.h>
-#include <recon/rim_walls.h>
-#include <recon/wall_samples.h>
-
 #include <recon/neighbours.h>
+#include <recon/rim_walls.h>
 #include <recon/scramble.h>
+#include <recon/wall_samples.h>
 
 #include <algorithm>
 #include <array>

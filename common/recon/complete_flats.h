@@ -1,7 +1,6 @@
 #pragma once
 
 #include <recon/flat_faces.h>
-
 #include <recon/geometry.h>
 #include <recon/progress.h>
 

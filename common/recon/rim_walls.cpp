@@ -1,10 +1,9 @@
 #include <recon/rim_walls.h>
 
-#include <recon/planar_faces.h>
-#include <recon/wall_samples.h>
-
 #include <recon/disjoint_sets.h>
 #include <recon/neighbours.h>
+#include <recon/planar_faces.h>
+#include <recon/wall_samples.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <recon/keep_apart.h>
-
 #include <recon/geometry.h>
+#include <recon/keep_apart.h>
 #include <recon/neighbours.h>
 
 #include <cmath>

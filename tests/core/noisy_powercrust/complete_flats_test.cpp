@@ -1,11 +1,11 @@
 #include "filter_noisy_powercrust/prepare_samples.h"
 #include "filter_noisy_powercrust/reconstruct.h"
-#include <recon/complete_flats.h>
-#include <recon/planar_faces.h>
-
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"
 #include "tests/shapes.h"
+
+#include <recon/complete_flats.h>
+#include <recon/planar_faces.h>
 
 #include <gtest/gtest.h>
 
