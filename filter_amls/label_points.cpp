@@ -180,8 +180,10 @@ struct PointsAsTheyAre
     Cleanness cleanness;
 };
 
-/// Exact points whose bare flat faces could be completed, see complete_flats.h: no open scan has such.
+/// Exact points whose bare flat faces could be completed, see complete_flats.h: no open scan has such. \param
+/// label_plain labels of the points without these.
 std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_are,
+                                                const std::function<const LabelledBalls&()>& label_plain,
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                 const Progress& progress)
 {
@@ -195,7 +197,7 @@ std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_a
     const auto label = [&](const Points& samples)
     { return label_polar_balls(samples, {}, labelling, times, progress.part(0.2, 1, "polar balls")); };
     std::optional<LabelledFlats> found =
-        label_with_flats(as_they_are.distinct, completion, label(as_they_are.distinct).violated_votes, label);
+        label_with_flats(as_they_are.distinct, completion, label_plain().violated_votes, label);
     if (!found)
         return {};
     LabelledSamples result{as_they_are.frame, std::move(found->samples), std::move(found->labelled),
@@ -212,12 +214,22 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
                                                   PhaseTimes& times, const Progress& progress)
 {
     const AmlsSurfaceReport& report = surface.report();
-    if (auto flats = label_bare_flats(as_they_are, labelling, times, progress.part(0, 0.1)))
+    const Points& distinct = as_they_are.distinct;
+    const int isolated = as_they_are.isolated;
+    std::optional<LabelledBalls> plain; // asked for up to twice
+    const auto label_plain = [&]() -> LabelledBalls&
+    {
+        // Points that may be exact are labelled by options_for_labels(), as that crust is.
+        const CrustOfPoints::Made* made = isolated == 0 ? surface.data().crust->made() : nullptr;
+        if (!plain)
+            plain = made ? made->labelled
+                         : label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
+        return *plain;
+    };
+    if (auto flats = label_bare_flats(as_they_are, label_plain, labelling, times, progress.part(0, 0.1)))
         return flats;
     if (!looks_exact(as_they_are.cleanness, report.least_noise))
         return {};
-    const Points& distinct = as_they_are.distinct;
-    const int isolated = as_they_are.isolated;
     std::optional<Vectors> known; // asked for up to three times
     const auto list_normals = [&](const Progress& part)
     {
@@ -229,12 +241,7 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
         if (auto scene = label_exact_scene(as_they_are.frame, distinct, list_normals(progress.part(0, 0.1)), isolated,
                                            labelling, times, progress.part(0.1, 1)))
             return scene;
-    // Points that may be exact are labelled by options_for_labels(), as that crust is.
-    const CrustOfPoints::Made* made = isolated == 0 ? surface.data().crust->made() : nullptr;
-    LabelledBalls labelled =
-        made ? made->labelled
-             : label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
-    LabelledSamples found{as_they_are.frame, distinct, std::move(labelled), isolated, true};
+    LabelledSamples found{as_they_are.frame, distinct, std::move(label_plain()), isolated, true};
     if (report.open && may_lack_sheets(found.samples, found.labelled, labelling.threads))
         if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 1)))
         {

@@ -113,8 +113,6 @@ std::optional<CompletedFlats> complete_noisy(const PreparedSamples& cloud, const
             break;
         LabelledBalls labelled = label(completion->samples, completion->normals);
         CompletedFlats flats{std::move(*completion), std::move(labelled)};
-        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
-        // are.
         if (flats.labelled.violated_votes <= clearly_fewer_with_flats * plain.violated_votes)
         {
             times.begin("mismatch");

@@ -144,11 +144,11 @@ private:
             last.violated = finer.attempt.labelled.violated_votes;
             const double missed = finer.mismatch.missed_points;
             const bool is_hollow = finer.mismatch.bare_area <= bare_lid && missed < best.mismatch.missed_points;
-            const bool has_better_flats = has_flats && completes_more(finer.attempt, best.attempt);
+            const bool has_better_flats = has_flats && completes_more(finer, best);
             if (has_flats && !is_hollow && !has_better_flats && missed > hopeless * best.mismatch.missed_points)
                 break;
             if (has_better_flats ||
-                ((is_hollow || missed < std::pow(share, i) * missed_before) && !lays_bare(finer.attempt, best.attempt)))
+                ((is_hollow || missed < std::pow(share, i) * missed_before) && !lays_bare(finer, best)))
             {
                 best = std::move(finer);
                 best.attempt.found_walls = true;
@@ -164,26 +164,32 @@ private:
     }
 
     /// Whether faces that were completed are bare again, though less noise fits any points better.
-    bool lays_bare(LabelledCloud& finer, LabelledCloud& best)
+    bool lays_bare(Judged& finer, Judged& best)
     {
-        if (best.completed == 0)
+        if (best.attempt.completed == 0)
             return false;
         const double before = lack(best), after = lack(finer);
         return after > laid_bare * before;
     }
 
     /// Whether other faces were completed, which lack clearly less and contradict no more votes.
-    bool completes_more(LabelledCloud& finer, LabelledCloud& best)
+    bool completes_more(Judged& finer, Judged& best)
     {
-        return finer.completed > 0 && finer.labelled.violated_votes <= best.labelled.violated_votes &&
+        return finer.attempt.completed > 0 &&
+               finer.attempt.labelled.violated_votes <= best.attempt.labelled.violated_votes &&
                lack(finer) < clearly_better * lack(best);
     }
 
-    double lack(LabelledCloud& found)
+    /// Measured once.
+    double lack(Judged& judged)
     {
+        if (judged.lack)
+            return *judged.lack;
+        LabelledCloud& found = judged.attempt;
         const TriangleMesh crust = attempts_.extract(found);
-        return measure_lack(found.cloud, found.cloud.samples, crust, attempts_.noise() / found.cloud.frame.scale(),
-                            attempts_.threads());
+        judged.lack = measure_lack(found.cloud, found.cloud.samples, crust,
+                                   attempts_.noise() / found.cloud.frame.scale(), attempts_.threads());
+        return *judged.lack;
     }
 
     /// A cloud with all lids open.

@@ -2,9 +2,7 @@
 
 #include "noisy_planes.h"
 
-#include <recon/disjoint_sets.h>
 #include <recon/median.h>
-#include <recon/planar_faces.h>
 
 #include <algorithm>
 #include <cmath>
@@ -56,36 +54,21 @@ double find_usual_gap(std::vector<double> gaps)
 
 std::vector<RimLoop> list_rim_loops(const FlatFace& face, const Points& rims)
 {
-    std::map<int, int> place;
-    for (const int v : face.rim)
-        place.insert({v, int(place.size())});
-    const std::vector<std::array<int, 2>> border = list_border_edges(face.triangles);
-    DisjointSets sets(face.rim.size());
-    for (const auto& [a, b] : border)
-        sets.join(place[a], place[b]);
-    std::map<int, RimLoop> loops;
-    std::vector<int> place_in_loop;
-    for (std::size_t k = 0; k < face.rim.size(); ++k)
-    {
-        RimLoop& loop = loops[int(sets.find(int(k)))];
-        place_in_loop.push_back(int(loop.rim.size()));
-        loop.rim.push_back(face.rim[k]);
-        loop.away.push_back(face.away[k]);
-    }
-    for (const auto& [v, w] : border)
-    {
-        const int a = place[v], b = place[w];
-        RimLoop& loop = loops[int(sets.find(a))];
-        loop.edges.push_back({place_in_loop[a], place_in_loop[b]});
-        loop.gaps.push_back((rims[v] - rims[w]).norm());
-    }
     std::vector<RimLoop> result;
-    for (auto& entry : loops)
-        if (!entry.second.edges.empty())
+    for (RimCurve& curve : list_rim_curves(face))
+    {
+        RimLoop loop;
+        for (const int k : curve.places)
         {
-            result.push_back(std::move(entry.second));
-            result.back().box = measure_box(result.back().rim, rims);
+            loop.rim.push_back(face.rim[k]);
+            loop.away.push_back(face.away[k]);
         }
+        for (const auto& [a, b] : curve.edges)
+            loop.gaps.push_back((rims[loop.rim[a]] - rims[loop.rim[b]]).norm());
+        loop.edges = std::move(curve.edges);
+        loop.box = measure_box(loop.rim, rims);
+        result.push_back(std::move(loop));
+    }
     return result;
 }
 

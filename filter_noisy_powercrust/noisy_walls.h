@@ -9,7 +9,7 @@
 namespace recon
 {
 
-/// A closed curve of the rim of a face.
+/// A closed curve of the rim of a noisy face, and what lies along it.
 struct RimLoop
 {
     std::vector<int> rim;                  ///< Indices of rim samples.

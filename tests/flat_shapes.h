@@ -106,6 +106,12 @@ inline void expect_bored_coupling(const recon::TriangleMesh& mesh)
     EXPECT_NEAR(report.volume / volume, 1, 0.03);
 }
 
+inline double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
+{
+    const double along = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    return (p - a - along * (b - a)).norm();
+}
+
 /// Distance to the profile in the half plane through the axis.
 inline double distance_to_profile(const std::vector<Ring>& rings, double z, double radius)
 {
@@ -113,10 +119,8 @@ inline double distance_to_profile(const std::vector<Ring>& rings, double z, doub
     double least = 1e300;
     for (std::size_t i = 1; i < rings.size(); ++i)
     {
-        const Eigen::Vector2d a(rings[i - 1].z, rings[i - 1].radius),
-            side = Eigen::Vector2d(rings[i].z, rings[i].radius) - a;
-        const double along = std::clamp((p - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
-        least = std::min(least, (p - a - along * side).norm());
+        const Eigen::Vector2d a(rings[i - 1].z, rings[i - 1].radius), b(rings[i].z, rings[i].radius);
+        least = std::min(least, distance_to_segment(p, a, b));
     }
     return least;
 }

@@ -132,8 +132,9 @@ constexpr double parallel = 0.97, aside = 0.6;
 class WallFiller
 {
 public:
-    WallFiller(const NeighbourSearch& search, const Points& samples, const std::deque<RimmedFace>& faces)
-        : faces_(faces), uses_(samples.size(), 0), walls_(search, samples)
+    /// \param samples that the faces refer to [count]. \param walls without any yet.
+    WallFiller(const std::deque<RimmedFace>& faces, int samples, WallSamples walls)
+        : faces_(faces), uses_(std::size_t(samples), 0), walls_(std::move(walls))
     {
         for (const RimmedFace& face : faces)
             for (const int v : face.face.rim)
@@ -232,14 +233,15 @@ FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& opti
     }
     Points present = samples;
     present.insert(present.end(), result.points.begin(), result.points.end());
+    const NeighbourSearch search_present(present);
+    const WallSamples no_walls(search_present, present);
     if (!found.mere_rims.empty())
     {
-        const Points walls = fill_rim_walls(found, samples, present);
+        const Points walls = fill_rim_walls(found, samples, search, no_walls);
         result.with_all_walls = result.points;
         result.with_all_walls.insert(result.with_all_walls.end(), walls.begin(), walls.end());
     }
-    const NeighbourSearch search_present(present);
-    WallFiller(search_present, present, faces).fill(result);
+    WallFiller(faces, int(samples.size()), no_walls).fill(result);
     return result;
 }
 

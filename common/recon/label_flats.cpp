@@ -25,8 +25,6 @@ std::optional<LabelledFlats> label_with_flats(const Points& samples, const FlatC
         Points all = samples;
         all.insert(all.end(), added.begin(), added.end());
         LabelledBalls labelled = label(all);
-        // A face that is none contradicts the samples around it; the benefit of the doubt is with the points as they
-        // are.
         if (labelled.violated_votes <= bearable)
             best = LabelledFlats{std::move(all), std::move(labelled), int(added.size())};
     };

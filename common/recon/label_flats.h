@@ -10,7 +10,8 @@ namespace recon
 {
 
 /// Completed flat faces stay if this share of the votes violated before is left: under noise 0.23 to 0.58 where they
-/// were faces, 0.77 and more where one was not.
+/// were faces, 0.77 and more where one was not. A face that is none contradicts the samples around it; the benefit of
+/// the doubt is with the points as they are.
 inline constexpr double clearly_fewer_with_flats = 0.65;
 
 /// Exact samples with those put on flat faces, which come last.

@@ -1,15 +1,11 @@
 #include <recon/rim_walls.h>
 
-#include <recon/disjoint_sets.h>
-#include <recon/neighbours.h>
-#include <recon/planar_faces.h>
-#include <recon/wall_samples.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace recon
@@ -47,28 +43,45 @@ private:
 /// A closed curve of a rim. Stays where it was made: `search` refers to `points`.
 struct Loop
 {
-    Loop(const FlatFace& face, std::vector<int> on_it, bool bounds_face, const Points& positions)
-        : normal(face.normal), is_of_face(bounds_face), samples(std::move(on_it)),
-          points(points_at(samples, positions)), search(points), along(samples.size())
+    Loop(const FlatFace& face, const RimCurve& curve, bool bounds_face, const Points& positions)
+        : normal(face.normal), is_of_face(bounds_face), samples(list_samples(face, curve)),
+          points(points_at(samples, positions)), search(points), along(samples.size()), spacing(samples.size(), 0)
     {
+        for (const auto& [a, b] : curve.edges)
+        {
+            along[a].push_back(b);
+            along[b].push_back(a);
+        }
+        for (std::size_t k = 0; k < points.size(); ++k)
+            for (const int j : along[k])
+                spacing[k] += (points[j] - points[k]).norm() / double(along[k].size());
     }
     Loop(const Loop&) = delete;
 
     Vector normal; ///< Of its plane.
     bool is_of_face;
-    std::vector<int> samples; ///< Ascending.
-    Points points;            ///< Their positions.
+    std::vector<int> samples;
+    Points points; ///< Their positions.
     NeighbourSearch search;
     std::vector<std::vector<int>> along; ///< Per sample: the places of those beside it.
     std::vector<double> spacing;         ///< Per sample: mean distance from these.
+
+private:
+    static std::vector<int> list_samples(const FlatFace& face, const RimCurve& curve)
+    {
+        std::vector<int> result;
+        for (const int k : curve.places)
+            result.push_back(face.rim[k]);
+        return result;
+    }
 };
 
 class RimWallFiller
 {
 public:
-    RimWallFiller(const FlatFaces& faces, const Points& samples, const Points& present)
-        : samples_(samples), search_(samples), search_present_(present), bounded_(samples.size()),
-          places_(samples.size()), walls_(search_present_, present)
+    RimWallFiller(const FlatFaces& faces, const Points& samples, const NeighbourSearch& search, WallSamples walls)
+        : samples_(samples), search_(search), bounded_(samples.size()), places_(samples.size()),
+          walls_(std::move(walls))
     {
         for (const auto* list : {&faces.bare, &faces.narrow, &faces.mere_rims})
             for (const FlatFace& face : *list)
@@ -97,50 +110,17 @@ private:
 
     void append_loops(const FlatFace& face, bool is_face)
     {
-        std::map<int, int> place;
-        for (int k = 0; k < int(face.rim.size()); ++k)
-            place[face.rim[k]] = k;
-        const std::vector<std::array<int, 2>> border = list_border_edges(face.triangles);
-        DisjointSets sets(face.rim.size());
-        for (const auto& [a, b] : border)
-            sets.join(place.at(a), place.at(b));
-        std::map<int, std::vector<int>> on;
-        for (int k = 0; k < int(face.rim.size()); ++k)
-            on[int(sets.find(k))].push_back(face.rim[k]);
-        std::map<int, int> loop_of;
-        for (auto& [set, list] : on)
+        for (const RimCurve& curve : list_rim_curves(face))
         {
-            loop_of[set] = int(loops_.size());
-            loops_.emplace_back(face, std::move(list), is_face, samples_);
-            const std::vector<int>& ascending = loops_.back().samples;
-            for (int k = 0; k < int(ascending.size()); ++k)
+            const int loop = int(loops_.size());
+            loops_.emplace_back(face, curve, is_face, samples_);
+            const std::vector<int>& samples = loops_.back().samples;
+            for (int k = 0; k < int(samples.size()); ++k)
             {
-                places_[ascending[k]].emplace_back(loop_of[set], k);
+                places_[samples[k]].emplace_back(loop, k);
                 if (is_face)
-                    bounded_[ascending[k]].add(face_of(loop_of[set]));
+                    bounded_[samples[k]].add(face_of(loop));
             }
-        }
-        for (const auto& [a, b] : border)
-        {
-            Loop& loop = loops_[loop_of[int(sets.find(place.at(a)))]];
-            const auto place_of = [&](int v)
-            { return int(std::lower_bound(loop.samples.begin(), loop.samples.end(), v) - loop.samples.begin()); };
-            loop.along[place_of(a)].push_back(place_of(b));
-            loop.along[place_of(b)].push_back(place_of(a));
-        }
-        for (const auto& entry : loop_of)
-            measure_spacing(loops_[entry.second]);
-    }
-
-    static void measure_spacing(Loop& loop)
-    {
-        for (int k = 0; k < int(loop.points.size()); ++k)
-        {
-            double sum = 0;
-            for (const int j : loop.along[k])
-                sum += (loop.points[j] - loop.points[k]).norm();
-            // Inside, between triangles, a sample has none beside it, and bears no wall.
-            loop.spacing.push_back(loop.along[k].empty() ? 1e300 : sum / double(loop.along[k].size()));
         }
     }
 
@@ -290,7 +270,7 @@ private:
     }
 
     const Points& samples_;
-    NeighbourSearch search_, search_present_;
+    const NeighbourSearch& search_;
     std::deque<Loop> loops_;
     std::vector<Bounded> bounded_;                         ///< Per sample.
     std::vector<std::vector<std::pair<int, int>>> places_; ///< Per sample: loops that it lies on, and where.
@@ -300,9 +280,9 @@ private:
 
 } // namespace
 
-Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const Points& present)
+Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const NeighbourSearch& search, WallSamples walls)
 {
-    return RimWallFiller(faces, samples, present).fill();
+    return RimWallFiller(faces, samples, search, std::move(walls)).fill();
 }
 
 } // namespace recon

@@ -2,6 +2,8 @@
 
 #include <recon/flat_faces.h>
 #include <recon/geometry.h>
+#include <recon/neighbours.h>
+#include <recon/wall_samples.h>
 
 namespace recon
 {
@@ -10,7 +12,7 @@ namespace recon
 /// counterbores, pockets with fillets. A rim sample bounds two surfaces: faces in its planes; strips to the next rims
 /// where these sample the surface one after another, as of lathed shapes; and walls, the lowest first. No wall begins
 /// where samples go on straight before it.
-/// \param samples what the faces refer to. \param present near these no sample is put.
-Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const Points& present);
+/// \param samples what the faces refer to, and `search` with them. \param walls without any yet.
+Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const NeighbourSearch& search, WallSamples walls);
 
 } // namespace recon

@@ -261,11 +261,7 @@ TEST(CompleteFlats, NoWallRisesWhereTheRimMeetsAnotherFace)
     {
         double off = std::min(p.z(), height - p.z());
         for (std::size_t i = 0; i < polygon.size(); ++i)
-        {
-            const Eigen::Vector2d &a = polygon[i], side = polygon[(i + 1) % polygon.size()] - a;
-            const double along = std::clamp((p.head<2>() - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
-            off = std::min(off, (p.head<2>() - a - along * side).norm());
-        }
+            off = std::min(off, distance_to_segment(p.head<2>(), polygon[i], polygon[(i + 1) % polygon.size()]));
         EXPECT_LT(off, 1e-6) << "inside: " << p.transpose();
     }
 }
