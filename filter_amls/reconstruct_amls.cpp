@@ -237,6 +237,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
             " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
     times.begin("closing");
     draw_closings_taut(result.mesh, found, is_on_surface, threads);
+    check_encloses_volume({found.frame.to_unit(result.mesh.vertices), result.mesh.triangles, {}});
     times.begin("finish");
     if (options.open_holes)
         open_amls_holes(result.mesh, found, is_on_surface, threads, progress.part(0.95, 0.97, "holes"));

@@ -40,6 +40,8 @@ constexpr double as_in_area = 9.75;
 constexpr std::size_t most_asked = 500;
 /// Within this distance the surface is seen to cross a plane [noise].
 constexpr double crossing_reach = 8;
+/// Half the width of what noise makes of a line in the plane [noise].
+constexpr double beside_line = 4;
 /// Share of the heights' variance that a slope explains where the surface leans instead of ending.
 constexpr double leaning = 0.4;
 constexpr int fewest_samples = 12;
@@ -201,6 +203,14 @@ private:
         return result;
     }
 
+    bool are_on_a_line(const Members& members) const
+    {
+        std::vector<Flat> places;
+        for (const Point& p : members.flat)
+            places.push_back(p.head<2>());
+        return lie_on_a_line(places, beside_line * noise_);
+    }
+
     bool cover_an_area(const Members& members) const
     {
         const NeighbourSearch search(members.flat);
@@ -303,7 +313,10 @@ private:
     NoisyFaces find_on(const NoisyPlane& found) const
     {
         NoisyFaces result;
-        Members members = drop_leaning(list_members(found));
+        Members members = list_members(found);
+        if (are_on_a_line(members))
+            return result;
+        members = drop_leaning(members);
         if (int(members.flat.size()) < fewest_samples || cover_an_area(members))
             return result;
         const NoisyPlane plane = fit(members);

@@ -99,7 +99,8 @@ void report_labels(const LabelledCloud& found, const NoisyPowerCrustOptions& opt
             "what remains. Lower ball_threshold, or set it to 0 (automatic).");
 }
 
-/// The crust, closed, in the frame of its samples. \param result gets the mesh and its vertices on edges.
+/// The crust, closed, in the frame of its samples. \param result gets the mesh and its vertices on edges. \throws
+/// AlgorithmFailure if it encloses no volume.
 DroppedBodies make_surface(LabelledCloud& found, const NoisyPowerCrustOptions& options, NoisyPowerCrust& result,
                            PhaseTimes& times, const Progress& progress)
 {
@@ -136,6 +137,7 @@ DroppedBodies make_surface(LabelledCloud& found, const NoisyPowerCrustOptions& o
         times.begin("closing");
         draw_bare_faces_taut(mesh, cloud.samples, crust.threads);
     }
+    check_encloses_volume(mesh);
     return dropped;
 }
 

@@ -58,7 +58,7 @@ struct NoisyPowerCrust
 /// Reconstructs a closed, outward oriented surface from noisy points without normals (Mederos, Amenta, Velho, de
 /// Figueiredo 2005, algorithm 4.1, with a local threshold and a global labelling). \throws InvalidInput for points that
 /// do not span a volume or are not finite, or an option out of range. \throws AlgorithmFailure if no inner ball is
-/// left. \throws Cancelled.
+/// left, or the crust encloses no volume. \throws Cancelled.
 NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options = {},
                                               const Progress& progress = {});
 

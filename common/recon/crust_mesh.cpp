@@ -1,6 +1,7 @@
 #include <recon/crust_mesh.h>
 
 #include <recon/disjoint_sets.h>
+#include <recon/errors.h>
 #include <recon/parallel.h>
 
 #include <Eigen/Geometry>
@@ -366,6 +367,14 @@ double measure_thickness(const TriangleMesh& mesh)
     for (const auto& t : mesh.triangles)
         add_extent(mesh, t, volume, area);
     return area > 0 ? 2 * volume / area : 0;
+}
+
+void check_encloses_volume(const TriangleMesh& mesh)
+{
+    constexpr double least_thickness = 1e-12;
+    if (measure_thickness(mesh) <= least_thickness)
+        throw AlgorithmFailure("The surface through the points encloses no volume: they are too few or too scattered "
+                               "to tell an inside. Use a denser cloud.");
 }
 
 } // namespace recon

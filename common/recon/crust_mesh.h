@@ -86,4 +86,8 @@ Topology measure_closed_topology(const TriangleMesh& mesh);
 /// empty one.
 double measure_thickness(const TriangleMesh& mesh);
 
+/// Of a closed mesh in a unit frame. \throws AlgorithmFailure if it encloses no volume or faces inward: what vertices
+/// that move onto their samples make of a crust where these are few and tell no inside.
+void check_encloses_volume(const TriangleMesh& mesh);
+
 } // namespace recon

@@ -409,6 +409,8 @@ private:
         std::vector<Eigen::Vector2d> flat;
         for (const int i : on_plane)
             flat.emplace_back(first.dot(samples_[i] - plane.origin), second.dot(samples_[i] - plane.origin));
+        if (lie_on_a_line(flat, plane.tolerance))
+            return regions;
         for (const PlanarFace& planar : fill_planar_rims(flat, 0))
         {
             FlatFace region;

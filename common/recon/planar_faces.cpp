@@ -28,6 +28,10 @@ constexpr int fewest_in_loop = 6;
 /// A point both of whose edges are longer than so many medians lies on no rim, where strays are expected.
 constexpr double far_from_rim = 4;
 
+/// Share of the points on a line that are nearly all, and points whose joining lines are asked for it.
+constexpr double nearly_all = 0.9;
+constexpr std::size_t joined_by_lines = 8;
+
 /// Rounds in which single points are left out; then whole chains that do not close are.
 constexpr int rounds_of_strays = 4;
 
@@ -430,6 +434,26 @@ std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& poi
         kept.erase(std::remove(kept.begin(), kept.end(), -1), kept.end());
     }
     return {};
+}
+
+bool lie_on_a_line(const std::vector<Eigen::Vector2d>& points, double tolerance)
+{
+    const std::size_t stride = points.size() / joined_by_lines + 1;
+    for (std::size_t a = 0; a < points.size(); a += stride)
+        for (std::size_t b = a + stride; b < points.size(); b += stride)
+        {
+            const Eigen::Vector2d along = points[b] - points[a];
+            const double limit = tolerance * along.norm();
+            const auto on_line = std::count_if(points.begin(), points.end(),
+                                               [&](const Eigen::Vector2d& p)
+                                               {
+                                                   const Eigen::Vector2d off = p - points[a];
+                                                   return std::abs(along.x() * off.y() - along.y() * off.x()) <= limit;
+                                               });
+            if (double(on_line) > nearly_all * double(points.size()))
+                return true;
+        }
+    return false;
 }
 
 std::vector<std::array<int, 2>> list_border_edges(const std::vector<std::array<int, 3>>& triangles)

@@ -23,6 +23,10 @@ struct PlanarFace
 /// of the points that may lie on no rim and are left out [0..1]. \returns no face if more do not.
 std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& points, double strays);
 
+/// Whether nearly all points lie within `tolerance` of one line: planes through that differ in what few others they
+/// hold, so that each would be taken for another one, and none has a rim.
+bool lie_on_a_line(const std::vector<Eigen::Vector2d>& points, double tolerance);
+
 /// Edges that only one of the triangles has, each (lower, higher) and ascending: what bounds them.
 std::vector<std::array<int, 2>> list_border_edges(const std::vector<std::array<int, 3>>& triangles);
 

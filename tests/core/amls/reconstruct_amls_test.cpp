@@ -401,6 +401,24 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
     EXPECT_THROW(reconstruct_amls(shapes::sphere(2000, 1, 1).points, {}, progress), Cancelled);
 }
 
+TEST(ReconstructAmls, FewScatteredPointsFaceOutwardOrAreRefused)
+{
+    int refused = 0;
+    for (std::uint64_t seed = 80; seed < 130; ++seed)
+    {
+        SCOPED_TRACE(seed);
+        try
+        {
+            EXPECT_GT(checks::examine_mesh(reconstruct_amls(shapes::scattered(5, {1, 1, 1}, seed)).mesh).volume, 0);
+        }
+        catch (const AlgorithmFailure& e)
+        {
+            refused += std::string(e.what()).find("no volume") != std::string::npos;
+        }
+    }
+    EXPECT_GT(refused, 0);
+}
+
 TEST(ReconstructAmls, OpensAHoleOfTheScanWhenAsked)
 {
     const Points points = shapes::sphere_below(0.7, 20000, 1, 5);

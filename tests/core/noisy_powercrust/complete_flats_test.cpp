@@ -83,6 +83,21 @@ TEST(FillPlanarRims, NoFaceThroughAGap)
     EXPECT_TRUE(fill_planar_rims({{0, 0}, {0.1, 0}, {0.2, 0}}, 0.1).empty());
 }
 
+TEST(LieOnALine, SoDoNineInTenWhateverTheOthersDo)
+{
+    std::vector<Eigen::Vector2d> points;
+    for (int i = 0; i < 95; ++i)
+        points.emplace_back(0.01 * i, 0.005 * i + (i % 3 - 1) * 1e-4);
+    for (int i = 0; i < 5; ++i)
+        points.emplace_back(0.3 - 0.1 * i, 0.1 * i * i - 0.7);
+    EXPECT_TRUE(lie_on_a_line(points, 4e-4));
+    EXPECT_FALSE(lie_on_a_line(points, 2e-5));
+    for (int i = 0; i < 20; ++i)
+        points.emplace_back(0.05 * i, -0.5);
+    EXPECT_FALSE(lie_on_a_line(points, 4e-4));
+    EXPECT_FALSE(lie_on_a_line({}, 1));
+}
+
 TEST(CompleteFlats, PutsSamplesOnFacesAndStraightWallsOnly)
 {
     const Points points = flange();

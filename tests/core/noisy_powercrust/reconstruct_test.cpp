@@ -399,6 +399,28 @@ TEST(NoisyPowerCrust, FewPointsGiveAResultOrAClearError)
     }
 }
 
+TEST(NoisyPowerCrust, FewScatteredPointsFaceOutwardOrAreRefused)
+{
+    int refused = 0;
+    for (const int n : {5, 6, 8})
+        for (std::uint64_t seed = 80; seed < 130; ++seed)
+        {
+            SCOPED_TRACE(seed);
+            try
+            {
+                const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::scattered(n, {1, 1, 1}, seed));
+                const checks::MeshReport report = checks::examine_mesh(crust.mesh);
+                EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
+                EXPECT_GT(report.volume, 0);
+            }
+            catch (const AlgorithmFailure& e)
+            {
+                refused += std::string(e.what()).find("no volume") != std::string::npos;
+            }
+        }
+    EXPECT_GT(refused, 0);
+}
+
 TEST(NoisyPowerCrust, ReportsProgressAndStopsAnywhere)
 {
     const Points points = shapes::with_noisy_copies(shapes::torus(1500, 1, 0.4, 5).points, 0.02, 4, 6);
