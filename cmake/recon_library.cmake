@@ -6,6 +6,10 @@ find_package(CGAL 5.5 REQUIRED)
 # What every source of ours is compiled with. -O3: the inner loops are ours, not only CGAL's.
 add_library(recon_settings INTERFACE)
 target_compile_options(recon_settings INTERFACE -Wall -Wextra $<$<CONFIG:Release>:-O3>)
+if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    # ARM would fuse multiplications and additions everywhere: last bits, and what hangs on them, as on plain x86-64.
+    target_compile_options(recon_settings INTERFACE -ffp-contract=off)
+endif()
 target_include_directories(recon_settings INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/common)
 target_link_libraries(recon_settings INTERFACE Eigen3::Eigen Threads::Threads)
 
