@@ -54,13 +54,13 @@ Points scan(const Model& model, const MeshDistance& surface, const Scanner& scan
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> uniform;
-    const auto gaussian = [&] { return Vector(normal(random), normal(random), normal(random)); };
+    const auto gaussian = [&] { return shapes::draw_vector([&] { return normal(random); }); };
     const recon::Box box = recon::bounding_box(model.mesh.vertices);
     const Point centre = box.centre();
     const double percent = model.diagonal / 100, radius = model.diagonal / 2, pixel = 2 * radius / pixels;
     Points points;
-    const Eigen::Quaterniond turn(
-        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized());
+    const Vector axis = gaussian();
+    const Eigen::Quaterniond turn(Eigen::Quaterniond(normal(random), axis.x(), axis.y(), axis.z()).normalized());
     for (int view = 0; view < scanner.views; ++view)
     {
         // Fibonacci's points on the sphere.

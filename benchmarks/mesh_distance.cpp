@@ -5,7 +5,10 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
 
+#include <boost/variant.hpp>
+
 #include <cmath>
+#include <variant>
 
 namespace benchmarks
 {
@@ -20,6 +23,18 @@ using Aabb = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 Kernel::Point_3 to_cgal(const recon::Point& p)
 {
     return {p.x(), p.y(), p.z()};
+}
+
+// What a ray meets: a point or a segment, in CGAL 5 as boost::variant, in CGAL 6 as std::variant.
+template <class... Met>
+const Kernel::Point_3* point_of(const boost::variant<Met...>& met)
+{
+    return boost::get<Kernel::Point_3>(&met);
+}
+template <class... Met>
+const Kernel::Point_3* point_of(const std::variant<Met...>& met)
+{
+    return std::get_if<Kernel::Point_3>(&met);
 }
 
 } // namespace
@@ -59,7 +74,7 @@ MeshDistance::Nearest MeshDistance::nearest(const recon::Point& query) const
 MeshDistance::Nearest MeshDistance::first_hit(const recon::Point& origin, const recon::Vector& direction) const
 {
     const auto hit = tree_->aabb.first_intersection(Kernel::Ray_3(to_cgal(origin), to_cgal(origin + direction)));
-    const Kernel::Point_3* at = hit ? boost::get<Kernel::Point_3>(&hit->first) : nullptr;
+    const Kernel::Point_3* at = hit ? point_of(hit->first) : nullptr;
     if (!at)
         return {0, origin, -1};
     const recon::Point point(at->x(), at->y(), at->z());

@@ -3,6 +3,8 @@
 #include "mesh_distance.h"
 #include "pn_models.h"
 
+#include "tests/shapes.h"
+
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -28,7 +30,7 @@ int harm(const Harm& h, double diagonal, recon::OrientedSamples& samples)
     std::mt19937_64 random(3);
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> uniform;
-    const auto noise = [&] { return Vector(normal(random), normal(random), normal(random)); };
+    const auto noise = [&] { return shapes::draw_vector([&] { return normal(random); }); };
     int turned = 0;
     for (std::size_t i = 0; i < samples.points.size(); ++i)
     {

@@ -257,7 +257,8 @@ Points plate(double side, double thickness, const Points& bores, double diameter
                 bool is_in_bore = true;
                 while (is_in_bore)
                 {
-                    p = Point(side * (disks.uniform() - 0.5), side * (disks.uniform() - 0.5), half * thickness);
+                    p.head<2>() = draw_pair([&] { return side * (disks.uniform() - 0.5); });
+                    p.z() = half * thickness;
                     is_in_bore = false;
                     for (const Point& bore : bores)
                         is_in_bore |= (p - bore).head<2>().norm() < 0.5 * diameter;
@@ -345,7 +346,8 @@ Points spiky_ball(double width, std::uint64_t seed)
     Points points;
     for (int i = 0; i < int(4 * pi * radius * radius); ++i)
     {
-        const Vector d = direction(2 * uniform(random) - 1, 2 * pi * uniform(random));
+        const Eigen::Vector2d drawn = draw_pair([&] { return uniform(random); });
+        const Vector d = direction(2 * drawn.x() - 1, 2 * pi * drawn.y());
         if (std::none_of(axes.begin(), axes.end(), [&](const Vector& a) { return d.dot(a) > std::cos(base / radius); }))
             points.push_back(radius * d);
     }

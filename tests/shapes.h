@@ -13,6 +13,20 @@ namespace shapes
 using Random = std::mt19937_64;
 /// From 0 to below 1.
 double uniform(Random& random);
+/// Of two and of three draws. Compilers evaluate arguments in an order of their own, so Vector(draw(), draw(), draw())
+/// is another vector on another machine.
+template <class Draw>
+Eigen::Vector2d draw_pair(Draw&& draw)
+{
+    const double y = draw(), x = draw();
+    return {x, y};
+}
+template <class Draw>
+recon::Vector draw_vector(Draw&& draw)
+{
+    const double z = draw(), y = draw(), x = draw();
+    return {x, y, z};
+}
 
 /// Keeps a random order's points that are at least 0.8 spacings from all kept ones: even samples without a lattice.
 class PoissonDisks

@@ -46,6 +46,7 @@ public:
         return true;
     }
     double worstDist() const { return limit_; }
+    void sort() {} // asked for from nanoflann 1.5 on
 
 private:
     double limit_;
@@ -91,7 +92,7 @@ void NeighbourSearch::within(const Point& query, double radius, std::vector<int>
     if (tree_->adaptor.points->empty())
         return;
     IndicesWithin found(radius * radius, indices);
-    tree_->index.findNeighbors(found, query.data(), nanoflann::SearchParams());
+    tree_->index.findNeighbors(found, query.data(), {});
 }
 
 double measure_spacing_at(const Point& point, const NeighbourSearch& search)

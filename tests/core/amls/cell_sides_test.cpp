@@ -97,9 +97,12 @@ TEST(FollowAnchors, KeepNormalsWhereNoAnchorIsNearAndDoNotDependOnThreads)
     scene.add_cell({5, 5, 5}, {1, 0, 0});
     shapes::Random random(7);
     std::normal_distribution<double> normal;
+    const auto draw = [&] { return normal(random); };
     for (int i = 0; i < 500; ++i)
-        scene.add_cell({0.3 * normal(random), 0.3 * normal(random), sigma * normal(random)},
-                       {normal(random), normal(random), normal(random)});
+    {
+        const Vector facing = shapes::draw_vector(draw);
+        scene.add_cell(Vector(0.3, 0.3, sigma).cwiseProduct(shapes::draw_vector(draw)), facing);
+    }
     const Vectors found = scene.follow();
     EXPECT_EQ(found[0], scene.normals[0]);
     EXPECT_EQ(scene.follow(3), found);

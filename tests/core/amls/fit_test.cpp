@@ -97,7 +97,7 @@ TEST(FitAnchors, FindPlaceNormalAndCurvatureOfASphere)
     for (const Vector& n : shapes::sphere(60, 1, 3).normals)
     {
         // Off the surface and some 20 degrees off its normal.
-        const Vector tilt = 0.25 * Vector(normal(random), normal(random), normal(random));
+        const Vector tilt = 0.25 * shapes::draw_vector([&] { return normal(random); });
         starts.push_back({n * (1 + 0.02 * normal(random)), (n + tilt).normalized(), 0.15, 0.02});
         if (starts.back().normal.dot(n) < 0.8)
             starts.pop_back();

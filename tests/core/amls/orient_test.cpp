@@ -28,7 +28,7 @@ struct Landmarks
         {
             points.push_back(samples.points[i] + shift);
             truth.push_back(inward ? Vector(-samples.normals[i]) : samples.normals[i]);
-            const Vector off(uniform(), uniform(), uniform());
+            const Vector off = shapes::draw_vector([&] { return uniform(); });
             given.push_back((uniform() < 0 ? -1.0 : 1.0) * (truth.back() + 0.2 * off).normalized());
             spacing.push_back(spacing_of_these);
         }

@@ -92,10 +92,7 @@ TEST(StretchedFrame, TellsTheSameBending)
 TEST(GatherFacing, TakesWhatLiesInTheStretchedBallAndFacesTheWay)
 {
     shapes::Random random(2);
-    const auto anywhere = [&] {
-        return Vector(2 * shapes::uniform(random) - 1, 2 * shapes::uniform(random) - 1,
-                      2 * shapes::uniform(random) - 1);
-    };
+    const auto anywhere = [&] { return shapes::draw_vector([&] { return 2 * shapes::uniform(random) - 1; }); };
     Points points;
     Vectors directions;
     std::vector<double> weights;

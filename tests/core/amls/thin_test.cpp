@@ -27,7 +27,8 @@ Cloud thin_wall(int n)
     {
         const double side = i % 2 == 0 ? 1 : -1;
         const auto uniform = [&] { return shapes::uniform(random); };
-        cloud.points.emplace_back(uniform(), uniform(), 0.005 * side);
+        const Eigen::Vector2d place = shapes::draw_pair(uniform);
+        cloud.points.emplace_back(place.x(), place.y(), 0.005 * side);
         cloud.normals.emplace_back(0, 0, side);
         cloud.radii.push_back(0.03);
         cloud.expected.push_back(M_PI * 0.03 * 0.03 * n / 2);

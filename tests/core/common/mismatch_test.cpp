@@ -73,7 +73,10 @@ TEST(MeasureNoiseMisfit, TellsTwoSheetsFromNoise)
     shapes::Random random(5);
     Points flat;
     for (int i = 0; i < 30'000; ++i) // more than are asked
-        flat.emplace_back(shapes::uniform(random), shapes::uniform(random), 0);
+    {
+        const Eigen::Vector2d place = shapes::draw_pair([&] { return shapes::uniform(random); });
+        flat.emplace_back(place.x(), place.y(), 0);
+    }
     const Points noisy = shapes::with_noise(flat, sigma, 6);
 
     const NoiseMisfit by_noise = measure_noise_misfit(noisy, square, sigma);

@@ -18,7 +18,7 @@ TriangleMesh confetti(int count)
     TriangleMesh result;
     shapes::Random random(3);
     const auto somewhere = [&](double size)
-    { return Point(size * shapes::uniform(random), size * shapes::uniform(random), size * shapes::uniform(random)); };
+    { return Point(size * shapes::draw_vector([&] { return shapes::uniform(random); })); };
     for (int i = 0; i < count; ++i)
     {
         const Point place = somewhere(1);
@@ -48,7 +48,7 @@ TEST(TriangleTree, FindsTheNearestTriangleAndThoseNearABox)
     shapes::Random random(4);
     for (int i = 0; i < 200; ++i)
     {
-        const Point p = 1.4 * Point(shapes::uniform(random), shapes::uniform(random), shapes::uniform(random));
+        const Point p = 1.4 * shapes::draw_vector([&] { return shapes::uniform(random); });
         const Box box{p - Point::Constant(0.05), p + Point::Constant(0.05)};
         double least = std::numeric_limits<double>::infinity();
         std::vector<int> near, found;

@@ -195,8 +195,10 @@ TEST(NoisyPowerCrust, AnOpenNoisyScanHasLostNoWalls)
     for (const double outliers : {0.0, 0.05})
     {
         while (double(scan.size()) < (1 + outliers) * double(count))
-            scan.emplace_back(3 * shapes::uniform(random) - 1.5, 3 * shapes::uniform(random) - 1.5,
-                              1.7 * shapes::uniform(random) - 0.1);
+        {
+            const Point place = shapes::draw_vector([&] { return shapes::uniform(random); });
+            scan.emplace_back(3 * place.x() - 1.5, 3 * place.y() - 1.5, 1.7 * place.z() - 0.1);
+        }
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(scan);
         const checks::MeshReport report = checks::examine_mesh(crust.mesh);
         EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();

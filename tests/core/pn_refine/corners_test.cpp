@@ -190,7 +190,7 @@ TEST(Corners, EdgesOfAThinRimDoNotMeetBesideThem)
             for (int axis = 0; axis < 3; ++axis)
                 for (const double side : {-1.0, 1.0})
                 {
-                    Point p(uniform(), uniform(), uniform());
+                    Point p = shapes::draw_vector(uniform);
                     p[axis] = side;
                     Vector n = Vector::Zero();
                     n[axis] = side;
@@ -230,11 +230,8 @@ TEST(Corners, RimsOfPinsHaveNone)
         }
         for (const double side : {-1.0, 1.0})
             for (int i = 0; i < int(4 * radius * radius); ++i)
-                if (const Point p(radius * uniform(), radius * uniform(), side * length / 2);
-                    p.head<2>().norm() < radius)
-                {
-                    append(samples, p, side * Vector::UnitZ());
-                }
+                if (const Eigen::Vector2d p = radius * shapes::draw_pair(uniform); p.norm() < radius)
+                    append(samples, Point(p.x(), p.y(), side * length / 2), side * Vector::UnitZ());
         const PnRefinement refined = refine_points(samples, one_thread(0));
         corners += int(corners_of(refined).size());
         crease_points += refined.crease_points;

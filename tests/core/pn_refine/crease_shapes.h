@@ -42,7 +42,10 @@ inline OrientedSamples bored_plate(double thickness, double bore, double count, 
     const auto add = [&](double area, const auto& draw)
     {
         for (int i = 0; i < int(area * count); ++i)
-            draw(2 * shapes::uniform(random) - 1, 2 * shapes::uniform(random) - 1);
+        {
+            const Eigen::Vector2d place = shapes::draw_pair([&] { return 2 * shapes::uniform(random) - 1; });
+            draw(place.x(), place.y());
+        }
     };
     const auto put = [&](const Point& p, const Vector& n)
     {

@@ -136,7 +136,7 @@ TEST(Creases, NormalsThatAreNotExactShowNone)
     OrientedSamples samples = shapes::box(4000, Vector(2, 2, 2), 5);
     shapes::Random random(1);
     for (Vector& n : samples.normals)
-        n += 0.3 * Vector(shapes::uniform(random) - 0.5, shapes::uniform(random) - 0.5, shapes::uniform(random) - 0.5);
+        n += 0.3 * shapes::draw_vector([&] { return shapes::uniform(random) - 0.5; });
     EXPECT_EQ(refine_points(samples, one_thread(0)).crease_points, 0);
 }
 

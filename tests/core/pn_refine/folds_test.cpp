@@ -230,7 +230,8 @@ TEST(Sheets, ThatFaceTheSameWayAreNotJoined)
     const auto uniform = [&] { return shapes::uniform(random); };
     for (int i = 0; i < 4000; ++i)
     {
-        layers.points.emplace_back(uniform(), uniform(), i % 2 ? 0.04 : 0);
+        const Eigen::Vector2d place = shapes::draw_pair(uniform);
+        layers.points.emplace_back(place.x(), place.y(), i % 2 ? 0.04 : 0);
         layers.normals.push_back(Vector::UnitZ());
     }
     const PnRefinement refined = refine_points(layers, one_thread(1));

@@ -148,9 +148,9 @@ TEST(HostileInput, NoiseInPositionsAndNormalsIsNoRunaway)
             OrientedSamples samples = shapes::sphere(3500, 1, 6);
             for (std::size_t i = 0; i < samples.points.size(); ++i)
             {
-                const Vector turn = degrees * M_PI / 180 * Vector(gauss(random), gauss(random), gauss(random));
+                const Vector turn = degrees * M_PI / 180 * shapes::draw_vector([&] { return gauss(random); });
                 samples.normals[i] = (samples.normals[i] + turn).normalized();
-                samples.points[i] += noise * Vector(gauss(random), gauss(random), gauss(random));
+                samples.points[i] += noise * shapes::draw_vector([&] { return gauss(random); });
             }
             const PnRefinement refined = refine(samples, 3);
             expect_finite(refined);
@@ -192,8 +192,8 @@ TEST(HostileInput, RandomPointsWithRandomNormals)
     OrientedSamples samples;
     for (int i = 0; i < 1000; ++i)
     {
-        samples.points.emplace_back(gauss(random), gauss(random), gauss(random));
-        samples.normals.emplace_back(gauss(random), gauss(random), gauss(random));
+        samples.points.push_back(shapes::draw_vector([&] { return gauss(random); }));
+        samples.normals.push_back(shapes::draw_vector([&] { return gauss(random); }));
     }
     const PnRefinement refined = refine(samples, 3);
     expect_finite(refined);
