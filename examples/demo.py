@@ -92,7 +92,7 @@ def main():
     rows, table, phases, bad = [], [], [], 0
     python = hosts.PyMeshLab(FILTER.plugin)
     with meshlab_2020.Display() as display:
-        server = hosts.MeshLabServer2020(FILTER.plugin, display)
+        server = hosts.MeshLabServer2020(FILTER.plugin, display) if meshlab_2020.is_installed() else None
         for model, title, make, views in MODELS:
             points = make()
             cloud_file = out / f"{model}_points.ply"
@@ -108,14 +108,15 @@ def main():
             results.append(("pymeshlab", values, made, time.perf_counter() - start))
             print(f"{model}: pymeshlab, {results[-1][3]:.1f} s", flush=True)
 
-            start = time.perf_counter()
-            served = out / f"{model}_surface_meshlabserver.ply"
-            code, log = meshlab_2020.run_server(server.programs, display, [
-                "-i", cloud_file.name, "-o", served.name, "-s", ROOT / "examples" / "noisy_power_crust.mlx"], out)
-            if code != 0 or not served.exists():
-                sys.exit(f"meshlabserver failed ({code}):\n{log}")
-            results.append(("meshlabserver", meshlab_2020.values_in_log(log), served, time.perf_counter() - start))
-            print(f"{model}: meshlabserver, {results[-1][3]:.1f} s", flush=True)
+            if server:
+                start = time.perf_counter()
+                served = out / f"{model}_surface_meshlabserver.ply"
+                code, log = meshlab_2020.run_server(server.programs, display, [
+                    "-i", cloud_file.name, "-o", served.name, "-s", ROOT / "examples" / "noisy_power_crust.mlx"], out)
+                if code != 0 or not served.exists():
+                    sys.exit(f"meshlabserver failed ({code}):\n{log}")
+                results.append(("meshlabserver", meshlab_2020.values_in_log(log), served, time.perf_counter() - start))
+                print(f"{model}: meshlabserver, {results[-1][3]:.1f} s", flush=True)
 
             for host, values, surface_file, seconds in results:
                 surface = hosts.read_ply(surface_file)

@@ -45,6 +45,11 @@ class Display:
         self.close()
 
 
+def is_installed():
+    """Later versions, as Debian 13 has one, have no meshlabserver."""
+    return Path("/usr/bin/meshlabserver").exists()
+
+
 def installed():
     """The folder of Debian's libmeshlab-common.so and its plugins."""
     return next(Path("/usr/lib").glob("*/meshlab/libmeshlab-common.so")).parent
