@@ -1,12 +1,14 @@
 #include <recon/geometry.h>
 
 #include <recon/errors.h>
+#include <recon/median.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 
 namespace recon
@@ -85,6 +87,35 @@ void UnitFrame::from_unit_in_place(Points& points) const
         p = from_unit(p);
 }
 
+namespace
+{
+
+/// \throws InvalidInput if a point lies so far from nearly all others that these are one place beside it.
+void check_far_points(const Points& points)
+{
+    std::vector<double> coordinates[3];
+    for (const Point& p : points)
+        for (int k = 0; k < 3; ++k)
+            coordinates[k].push_back(p[k]);
+    const Point middle(median(coordinates[0]), median(coordinates[1]), median(coordinates[2]));
+    const auto farthest =
+        std::max_element(points.begin(), points.end(),
+                         [&](const Point& a, const Point& b)
+                         { return (a - middle).lpNorm<Eigen::Infinity>() < (b - middle).lpNorm<Eigen::Infinity>(); });
+    const double nothing = 1e-7 * (*farthest - middle).lpNorm<Eigen::Infinity>();
+    const auto near = std::count_if(points.begin(), points.end(),
+                                    [&](const Point& p) { return (p - middle).lpNorm<Eigen::Infinity>() <= nothing; });
+    if (10 * near < 9 * int(points.size()))
+        return;
+    std::ostringstream text;
+    text << "The point at (" << farthest->transpose().format(Eigen::IOFormat(6, Eigen::DontAlignCols, ", "))
+         << ") lies so far from the others that these are one place "
+         << "beside it. Delete it, and others like it.";
+    throw InvalidInput(text.str());
+}
+
+} // namespace
+
 void check_spans_volume(const Points& points)
 {
     if (points.size() < 4)
@@ -107,6 +138,8 @@ void check_spans_volume(const Points& points)
     const double nothing = 1e-7;
     if (extent[2] <= 1e-12)
         throw InvalidInput("All points are equal. A surface needs points that spread in three dimensions.");
+    if (extent[0] <= nothing * extent[2])
+        check_far_points(points);
     if (extent[1] <= nothing * extent[2])
         throw InvalidInput("All points lie on one line. A surface needs points that spread in three dimensions.");
     if (extent[0] <= nothing * extent[2])

@@ -69,7 +69,8 @@ private:
 };
 
 /// Checks what every volumetric method needs: at least 4 distinct finite points that do not lie in one plane.
-/// \throws InvalidInput naming the cause (too few, not finite, all equal, collinear, coplanar) and the remedy.
+/// \throws InvalidInput naming the cause (too few, not finite, one too far from all others, all equal, collinear,
+/// coplanar) and the remedy.
 void check_spans_volume(const Points& points);
 
 } // namespace recon

@@ -60,6 +60,12 @@ TEST(CheckSpansVolume, NamesTheCause)
     }
     EXPECT_NE(message(line).find("line"), std::string::npos);
     EXPECT_NE(message(plane).find("plane"), std::string::npos);
+    for (const double far : {1e9, 1e30})
+    {
+        Points strayed = shapes::sphere(100, 1, 1).points;
+        strayed[40] = Point(0, far, 0);
+        EXPECT_NE(message(strayed).find(far > 1e9 ? "(0, 1e+30, 0)" : "so far"), std::string::npos) << message(strayed);
+    }
     EXPECT_EQ(message(shapes::sphere(10, 1e-30, 1).points), "");
     EXPECT_EQ(message(shapes::box(100, Vector(1, 1, 1e-4), 1).points), "");
 }
