@@ -23,21 +23,6 @@ namespace recon
 namespace
 {
 
-/// Over holes of the scan. \param is_on_surface loses the vertices that move.
-void draw_closings_taut(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads)
-{
-    const Points before = found.frame.to_unit(mesh.vertices);
-    TriangleMesh taut{before, mesh.triangles, {}};
-    if (draw_bare_faces_taut(taut, found.samples, threads) == 0)
-        return;
-    for (std::size_t v = 0; v < before.size(); ++v)
-        if (taut.vertices[v] != before[v])
-        {
-            is_on_surface[v] = 0;
-            mesh.vertices[v] = found.frame.from_unit(taut.vertices[v]);
-        }
-}
-
 /// \param is_on_surface loses the vertices that go.
 void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads,
                      const Progress& progress)
@@ -65,6 +50,21 @@ struct Attempt
 TriangleMesh crust_of(const Attempt& attempt)
 {
     return {attempt.found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
+}
+
+/// Over holes of the scan; vertices that move are on the surface no more.
+void draw_closings_taut(Attempt& attempt, int threads)
+{
+    TriangleMesh taut = crust_of(attempt);
+    const Points before = taut.vertices;
+    if (draw_bare_faces_taut(taut, attempt.found.samples, threads) == 0)
+        return;
+    for (std::size_t v = 0; v < before.size(); ++v)
+        if (taut.vertices[v] != before[v])
+        {
+            attempt.is_on_surface[v] = 0;
+            attempt.mesh.vertices[v] = attempt.found.frame.from_unit(taut.vertices[v]);
+        }
 }
 
 bool has_lids(const Attempt& attempt, const TriangleMesh& crust, int threads)
@@ -221,8 +221,6 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     result.samples = int(found.samples.size()) - found.backs;
     result.completed = found.completed;
     result.violated_votes = found.labelled.violated_votes;
-    result.mesh = std::move(attempt.mesh);
-    std::vector<char>& is_on_surface = attempt.is_on_surface;
     for (const std::string& text : {describe(attempt.dropped), describe_violation(result.violated_votes)})
         if (!text.empty())
             result.warnings.push_back(text);
@@ -236,9 +234,11 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
             std::string(lost_walls_text) +
             " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
     times.begin("closing");
-    draw_closings_taut(result.mesh, found, is_on_surface, threads);
-    check_encloses_volume({found.frame.to_unit(result.mesh.vertices), result.mesh.triangles, {}});
+    draw_closings_taut(attempt, threads);
+    check_encloses_volume(crust_of(attempt));
     times.begin("finish");
+    result.mesh = std::move(attempt.mesh);
+    std::vector<char>& is_on_surface = attempt.is_on_surface;
     if (options.open_holes)
         open_amls_holes(result.mesh, found, is_on_surface, threads, progress.part(0.95, 0.97, "holes"));
     result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));

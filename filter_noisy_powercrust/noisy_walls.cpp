@@ -3,6 +3,7 @@
 #include "noisy_planes.h"
 
 #include <recon/median.h>
+#include <recon/rim_curves.h>
 
 #include <algorithm>
 #include <cmath>

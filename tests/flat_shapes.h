@@ -42,15 +42,20 @@ inline recon::Points flange()
     return points;
 }
 
-/// One closed surface with all holes of the flange and its volume.
-inline void expect_bored_flange(const recon::TriangleMesh& mesh)
+/// One closed surface.
+inline void expect_solid(const recon::TriangleMesh& mesh, int genus, double volume)
 {
     const checks::MeshReport report = checks::examine_mesh(mesh);
     EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
     EXPECT_EQ(report.components, 1);
-    EXPECT_EQ(report.genus(), 1 + bores);
-    const double area = pi * (outer * outer - hub * hub - bores * bore * bore);
-    EXPECT_NEAR(report.volume / (area * thickness), 1, 0.03);
+    EXPECT_EQ(report.genus(), genus);
+    EXPECT_NEAR(report.volume / volume, 1, 0.03);
+}
+
+/// With all holes of the flange and its volume.
+inline void expect_bored_flange(const recon::TriangleMesh& mesh)
+{
+    expect_solid(mesh, 1 + bores, pi * (outer * outer - hub * hub - bores * bore * bore) * thickness);
 }
 
 /// Circles around the z axis or parallel to it.
@@ -94,16 +99,12 @@ inline double lathed_volume(const std::vector<Ring>& rings)
     return volume;
 }
 
-/// One closed surface with all holes of the coupling and its volume.
+/// With all holes of the coupling and its volume.
 inline void expect_bored_coupling(const recon::TriangleMesh& mesh)
 {
-    const checks::MeshReport report = checks::examine_mesh(mesh);
-    EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
-    EXPECT_EQ(report.components, 1);
-    EXPECT_EQ(report.genus(), 1 + counterbores);
-    const double volume = lathed_volume(coupling_outside) - lathed_volume(coupling_bore) -
-                          counterbores * lathed_volume(coupling_counterbore);
-    EXPECT_NEAR(report.volume / volume, 1, 0.03);
+    expect_solid(mesh, 1 + counterbores,
+                 lathed_volume(coupling_outside) - lathed_volume(coupling_bore) -
+                     counterbores * lathed_volume(coupling_counterbore));
 }
 
 inline double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b)

@@ -29,16 +29,6 @@ struct FlatFace
                   ///< length (0 where two rims meet).
 };
 
-/// A closed curve of the rim of a face.
-struct RimCurve
-{
-    std::vector<int> places;               ///< In FlatFace::rim, ascending.
-    std::vector<std::array<int, 2>> edges; ///< Of places in `places`.
-};
-
-/// What bounds a face's triangles; rim samples that none of these edges ends at are on no curve.
-std::vector<RimCurve> list_rim_curves(const FlatFace& face);
-
 /// What rims enclose in their planes.
 struct FlatFaces
 {

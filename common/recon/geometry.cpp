@@ -90,6 +90,11 @@ void UnitFrame::from_unit_in_place(Points& points) const
 namespace
 {
 
+/// Of extents, relative to the largest: the eigenvalues of a double covariance are right to about 1e-16 of the largest,
+/// their roots to 1e-8.
+constexpr double nothing = 1e-7;
+constexpr double nearly_all = 0.9;
+
 /// \throws InvalidInput if a point lies so far from nearly all others that these are one place beside it.
 void check_far_points(const Points& points)
 {
@@ -98,19 +103,17 @@ void check_far_points(const Points& points)
         for (int k = 0; k < 3; ++k)
             coordinates[k].push_back(p[k]);
     const Point middle(median(coordinates[0]), median(coordinates[1]), median(coordinates[2]));
-    const auto farthest =
-        std::max_element(points.begin(), points.end(),
-                         [&](const Point& a, const Point& b)
-                         { return (a - middle).lpNorm<Eigen::Infinity>() < (b - middle).lpNorm<Eigen::Infinity>(); });
-    const double nothing = 1e-7 * (*farthest - middle).lpNorm<Eigen::Infinity>();
-    const auto near = std::count_if(points.begin(), points.end(),
-                                    [&](const Point& p) { return (p - middle).lpNorm<Eigen::Infinity>() <= nothing; });
-    if (10 * near < 9 * int(points.size()))
+    const auto distance = [&](const Point& p) { return (p - middle).lpNorm<Eigen::Infinity>(); };
+    const Point& farthest = *std::max_element(
+        points.begin(), points.end(), [&](const Point& a, const Point& b) { return distance(a) < distance(b); });
+    const double one_place = nothing * distance(farthest);
+    const auto near =
+        std::count_if(points.begin(), points.end(), [&](const Point& p) { return distance(p) <= one_place; });
+    if (double(near) < nearly_all * double(points.size()))
         return;
     std::ostringstream text;
-    text << "The point at (" << farthest->transpose().format(Eigen::IOFormat(6, Eigen::DontAlignCols, ", "))
-         << ") lies so far from the others that these are one place "
-         << "beside it. Delete it, and others like it.";
+    text << "The point at (" << farthest.transpose().format(Eigen::IOFormat(6, Eigen::DontAlignCols, ", "))
+         << ") lies so far from the others that these are one place beside it. Delete it, and others like it.";
     throw InvalidInput(text.str());
 }
 
@@ -134,8 +137,6 @@ void check_spans_volume(const Points& points)
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
     const Vector extent = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-    // The eigenvalues of a double covariance are right to about 1e-16 of the largest, their roots to 1e-8.
-    const double nothing = 1e-7;
     if (extent[2] <= 1e-12)
         throw InvalidInput("All points are equal. A surface needs points that spread in three dimensions.");
     if (extent[0] <= nothing * extent[2])

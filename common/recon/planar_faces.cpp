@@ -448,7 +448,7 @@ bool lie_on_a_line(const std::vector<Eigen::Vector2d>& points, double tolerance)
                                                [&](const Eigen::Vector2d& p)
                                                {
                                                    const Eigen::Vector2d off = p - points[a];
-                                                   return std::abs(along.x() * off.y() - along.y() * off.x()) <= limit;
+                                                   return std::abs(along.x() * off.y() - along.y() * off.x()) < limit;
                                                });
             if (double(on_line) > nearly_all * double(points.size()))
                 return true;

@@ -4,19 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace recon
 {
 namespace
 {
-
-#ifdef __SIZEOF_FLOAT128__
-using Quad = __float128;
-#else
-using Quad = long double; // as wide on ARM
-static_assert(std::numeric_limits<Quad>::digits >= 113, "the bound on what wide numbers get right is that of 113 bits");
-#endif
 
 /// Offset of the power centre from the first point by Cramer's rule, in numbers of type Number. \returns the
 /// determinant of the edges; if it is 0, `offset` is not set.
@@ -70,7 +62,7 @@ Point find_power_centre(const std::array<Point, 4>& points, const std::array<dou
     double size = 1;
     for (int i = 1; i < 4; ++i)
         size *= (points[i] - points[0]).norm();
-    Quad wide[3] = {};
+    _Float128 wide[3] = {}; // its name on every architecture
     if (std::abs(double(solve(points, weights, wide))) > 1e-24 * size)
         return points[0] + Vector(double(wide[0]), double(wide[1]), double(wide[2]));
     CGAL::Exact_rational exact[3] = {0, 0, 0};

@@ -1,5 +1,7 @@
 #include <recon/rim_walls.h>
 
+#include <recon/rim_curves.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -63,7 +63,7 @@ TEST(IntersectDiscWithPolygon, AgreesWithKnownAreas)
     const int trials = 400'000;
     for (int i = 0; i < trials; ++i)
     {
-        const Eigen::Vector2d p(random() / 2147483648.0 - 1, random() / 2147483648.0 - 1);
+        const Eigen::Vector2d p = shapes::draw_pair([&] { return random() / 2147483648.0 - 1; });
         bool inside = p.norm() < 1;
         for (int k = 0; k < 3; ++k)
             inside &= cross(triangle[(k + 1) % 3] - triangle[k], p - triangle[k]) > 0;

@@ -96,6 +96,8 @@ TEST(LieOnALine, SoDoNineInTenWhateverTheOthersDo)
         points.emplace_back(0.05 * i, -0.5);
     EXPECT_FALSE(lie_on_a_line(points, 4e-4));
     EXPECT_FALSE(lie_on_a_line({}, 1));
+    // Equal points have no line between them that all others would lie on.
+    EXPECT_FALSE(lie_on_a_line({{0, 0}, {0, 0}, {1, 0}, {0, 1}}, 1e-3));
 }
 
 TEST(CompleteFlats, PutsSamplesOnFacesAndStraightWallsOnly)

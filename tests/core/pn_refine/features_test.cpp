@@ -151,7 +151,8 @@ TEST(Normals, ThinPlateKeepsBothSides)
     for (int i = 0; i < 3000; ++i)
     {
         const double z = i % 2 ? 0.015 : -0.015;
-        plate.points.emplace_back(u(random), u(random), z);
+        const Eigen::Vector2d place = shapes::draw_pair([&] { return u(random); });
+        plate.points.emplace_back(place.x(), place.y(), z);
         plate.normals.emplace_back(0, 0, i % 2 ? 1 : -1);
     }
     const PnRefinement refined = refine_points(plate, one_thread(2));

@@ -2,6 +2,8 @@
 
 #include "filter_pn_refine/kernels.h"
 
+#include "tests/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -25,8 +27,11 @@ struct Triangle
 Triangle random_triangle(std::mt19937& random)
 {
     std::uniform_real_distribution<double> u(-0.4, 0.4);
-    const auto corner = [&](double x, double y) {
-        return Corner{Vec(x + u(random), y + u(random), u(random)), Vec(u(random), u(random), 1).normalized()};
+    const auto draw = [&] { return u(random); };
+    const auto corner = [&](double x, double y)
+    {
+        const Vec position = Vec(x, y, 0) + shapes::draw_vector(draw);
+        return Corner{position, shapes::draw_pair(draw).homogeneous().normalized()};
     };
     return {corner(0, 0), corner(2, 0), corner(0, 2)};
 }
@@ -216,8 +221,8 @@ TEST(PnTriangle, EveryKernelMovesTheRingOutToTheGeodesicDistance)
     for (int k = 0; k < count; ++k)
     {
         const double angle = 2 * M_PI * k / count;
-        around.push_back({Vec(std::cos(angle), std::sin(angle), 0.2 * u(random)),
-                          Vec(0.4 * u(random), 0.4 * u(random), 1).normalized()});
+        const Vec position(std::cos(angle), std::sin(angle), 0.2 * u(random));
+        around.push_back({position, shapes::draw_pair([&] { return 0.4 * u(random); }).homogeneous().normalized()});
         const Corner& p = around.back();
         local.x[k] = float(p.position.x());
         local.y[k] = float(p.position.y());
