@@ -3,87 +3,145 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <queue>
+#include <unordered_map>
+#include <utility>
 
 namespace recon
 {
 namespace
 {
 
-/// Weights of the edges between clusters, by pair: open addressing, deletion by tombstone.
-class PairWeights
+/// The graph between clusters, each named by one of its nodes: at most one weight for two of them. Most have few
+/// neighbours, and their lists are searched; of two that have many a table says where their weight is.
+class ClusterGraph
 {
 public:
-    explicit PairWeights(std::size_t expected)
+    /// \param pairs each at most once.
+    ClusterGraph(int nodes, std::vector<SignedEdge> pairs)
+        : pairs_(std::move(pairs)), links_(std::size_t(nodes)), named_(std::size_t(nodes), 0)
     {
-        std::size_t size = 16;
-        while (size < 3 * expected)
-            size *= 2;
-        slots_.resize(size);
+        std::vector<std::size_t> degrees(std::size_t(nodes), 0);
+        for (const SignedEdge& pair : pairs_)
+        {
+            ++degrees[std::size_t(pair.a)];
+            ++degrees[std::size_t(pair.b)];
+        }
+        for (std::size_t i = 0; i < degrees.size(); ++i)
+            links_[i].reserve(degrees[i]);
+        for (std::size_t place = 0; place < pairs_.size(); ++place)
+        {
+            append(pairs_[place].a, pairs_[place].b, int(place));
+            append(pairs_[place].b, pairs_[place].a, int(place));
+        }
     }
-    /// Weight of the pair, null if it has none.
-    double* find(int a, int b)
+    /// Weight of the pair, null if it has none or one of them is no cluster any more.
+    const double* find_weight(int a, int b) const
     {
-        const std::uint64_t key = key_of(a, b);
-        for (std::size_t i = slot_of(key); slots_[i].key != empty; i = (i + 1) & (slots_.size() - 1))
-            if (slots_[i].key == key)
-                return &slots_[i].weight;
-        return nullptr;
+        const int place = find(a, b);
+        return place < 0 ? nullptr : &pairs_[std::size_t(place)].weight;
     }
-    void insert(int a, int b, double weight)
+    /// Neighbours that it has had so far [count].
+    int count_neighbours(int cluster) const { return named_[std::size_t(cluster)]; }
+
+    /// Moves the weights of `gone` to `keep`, turned over if `turns`. \param changed is called with each cluster whose
+    /// weight with `keep` is another now, and that weight.
+    template <class Changed>
+    void merge(int gone, int keep, bool turns, const Changed& changed)
     {
-        if (4 * (used_ + 1) > 3 * slots_.size())
-            grow();
-        std::size_t i = slot_of(key_of(a, b));
-        while (slots_[i].key != empty)
-            i = (i + 1) & (slots_.size() - 1);
-        slots_[i] = {key_of(a, b), weight};
-        ++used_;
-    }
-    void erase(int a, int b)
-    {
-        const std::uint64_t key = key_of(a, b);
-        for (std::size_t i = slot_of(key); slots_[i].key != empty; i = (i + 1) & (slots_.size() - 1))
-            if (slots_[i].key == key)
+        const std::vector<Link> moving = std::exchange(links_[std::size_t(gone)], {});
+        for (const Link& link : moving)
+        {
+            SignedEdge& pair = pairs_[std::size_t(link.place)];
+            if (pair.a == dead)
+                continue;
+            const int other = pair.a == gone ? pair.b : pair.a;
+            const double moved = turns ? -pair.weight : pair.weight;
+            const int present = other == keep ? -1 : find(keep, other);
+            if (other != keep && present < 0)
             {
-                slots_[i].key = tombstone;
-                return;
+                pair = {keep, other, moved};
+                rename(other, link.place, keep);
+                append(keep, other, link.place);
+                ++named_[std::size_t(other)];
+                changed(other, moved);
+                continue;
             }
+            drop(other, link.place);
+            pair.a = dead;
+            if (present >= 0)
+                changed(other, pairs_[std::size_t(present)].weight += moved);
+        }
     }
 
 private:
-    static constexpr std::uint64_t empty = ~std::uint64_t(0), tombstone = empty - 1;
-    struct Slot
+    static constexpr int dead = -1;
+    static constexpr std::size_t many = 64;
+
+    struct Link
     {
-        std::uint64_t key = empty;
-        double weight = 0;
+        int other; ///< Of a cluster with many neighbours: as it was called when the link was made.
+        int place; ///< Of the pair, which may be dead if there are many.
     };
+
     static std::uint64_t key_of(int a, int b)
     {
         return (std::uint64_t(std::uint32_t(std::min(a, b))) << 32) | std::uint32_t(std::max(a, b));
     }
-    std::size_t slot_of(std::uint64_t key) const
+    bool has_many(int cluster) const { return links_[std::size_t(cluster)].size() >= many; }
+
+    int find(int a, int b) const
     {
-        key *= 0x9e3779b97f4a7c15u;
-        return std::size_t(key ^ (key >> 29)) & (slots_.size() - 1);
+        if (has_many(a) && has_many(b))
+        {
+            const auto found = between_many_.find(key_of(a, b));
+            return found == between_many_.end() ? -1 : found->second;
+        }
+        const bool is_first = links_[std::size_t(a)].size() < links_[std::size_t(b)].size();
+        const int other = is_first ? b : a;
+        for (const Link& link : links_[std::size_t(is_first ? a : b)])
+            if (link.other == other)
+                return link.place;
+        return -1;
     }
-    void grow()
+    void append(int cluster, int other, int place)
     {
-        std::vector<Slot> old(slots_.size() * 2);
-        old.swap(slots_);
-        used_ = 0;
-        for (const Slot& slot : old)
-            if (slot.key < tombstone)
-            {
-                std::size_t i = slot_of(slot.key);
-                while (slots_[i].key != empty)
-                    i = (i + 1) & (slots_.size() - 1);
-                slots_[i] = slot;
-                ++used_;
-            }
+        std::vector<Link>& links = links_[std::size_t(cluster)];
+        links.push_back({other, place});
+        ++named_[std::size_t(cluster)];
+        if (links.size() == many)
+            for (const Link& link : links)
+                tabulate(cluster, link);
+        else if (links.size() > many)
+            tabulate(cluster, links.back());
     }
-    std::vector<Slot> slots_;
-    std::size_t used_ = 0;
+    void tabulate(int cluster, const Link& link)
+    {
+        if (has_many(link.other))
+            between_many_.emplace(key_of(cluster, link.other), link.place);
+    }
+    void rename(int cluster, int place, int other)
+    {
+        if (!has_many(cluster))
+            find_link(cluster, place)->other = other;
+    }
+    void drop(int cluster, int place)
+    {
+        if (has_many(cluster))
+            return;
+        std::vector<Link>& links = links_[std::size_t(cluster)];
+        *find_link(cluster, place) = links.back();
+        links.pop_back();
+    }
+    std::vector<Link>::iterator find_link(int cluster, int place)
+    {
+        std::vector<Link>& links = links_[std::size_t(cluster)];
+        return std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.place == place; });
+    }
+
+    std::vector<SignedEdge> pairs_;
+    std::vector<std::vector<Link>> links_;
+    std::vector<int> named_;                              ///< See count_neighbours().
+    std::unordered_map<std::uint64_t, int> between_many_; ///< Place of the pair.
 };
 
 /// By a, then b; equal pairs keep their order.
@@ -104,6 +162,20 @@ void sort_by_ends(std::vector<SignedEdge>& edges, int nodes)
     edges.swap(sorted);
 }
 
+/// \param edges sorted by their ends.
+void add_up_parallel(std::vector<SignedEdge>& edges)
+{
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < edges.size(); ++count)
+    {
+        SignedEdge sum = {edges[i].a, edges[i].b, 0};
+        for (; i < edges.size() && edges[i].a == sum.a && edges[i].b == sum.b; ++i)
+            sum.weight += edges[i].weight;
+        edges[count] = sum;
+    }
+    edges.resize(count);
+}
+
 struct Candidate
 {
     double strength; ///< |weight| when it was queued
@@ -116,13 +188,64 @@ struct Candidate
     }
 };
 
+/// Hands out the strongest candidate first. Only the strongest are in a heap that is small enough for the caches; of
+/// the others most are outdated when their turn comes.
+class CandidateQueue
+{
+public:
+    explicit CandidateQueue(std::vector<Candidate> candidates) : weaker_(std::move(candidates)) {}
+
+    void push(const Candidate& candidate)
+    {
+        if (candidate < weakest_)
+            weaker_.push_back(candidate);
+        else
+        {
+            heap_.push_back(candidate);
+            std::push_heap(heap_.begin(), heap_.end());
+        }
+    }
+    /// \param is_outdated says of a candidate that it need not be handed out. \returns false if there is none.
+    template <class IsOutdated>
+    bool pop(Candidate& strongest, const IsOutdated& is_outdated)
+    {
+        if (heap_.empty())
+            refill(is_outdated);
+        if (heap_.empty())
+            return false;
+        std::pop_heap(heap_.begin(), heap_.end());
+        strongest = heap_.back();
+        heap_.pop_back();
+        return true;
+    }
+
+private:
+    template <class IsOutdated>
+    void refill(const IsOutdated& is_outdated)
+    {
+        weaker_.erase(std::remove_if(weaker_.begin(), weaker_.end(), is_outdated), weaker_.end());
+        if (weaker_.empty())
+            return;
+        const std::size_t count = std::max(weaker_.size() / share, std::min(weaker_.size(), fewest));
+        const auto first = weaker_.end() - std::ptrdiff_t(count);
+        std::nth_element(weaker_.begin(), first, weaker_.end());
+        weakest_ = *first;
+        heap_.assign(first, weaker_.end());
+        weaker_.erase(first, weaker_.end());
+        std::make_heap(heap_.begin(), heap_.end());
+    }
+
+    static constexpr std::size_t share = 16, fewest = 4096;
+    std::vector<Candidate> heap_, weaker_;
+    Candidate weakest_ = {}; ///< Of those that the heap was last filled with.
+};
+
 } // namespace
 
 std::vector<Side> contract(const SignedGraph& graph, ParityForest forest, int root)
 {
     const int n = graph.nodes;
 
-    // The graph between clusters. Neighbour lists may name pairs that are gone; the weights know.
     std::vector<SignedEdge> sorted;
     sorted.reserve(graph.edges.size());
     for (const SignedEdge& e : graph.edges)
@@ -133,58 +256,31 @@ std::vector<Side> contract(const SignedGraph& graph, ParityForest forest, int ro
             sorted.push_back({std::min(a, b), std::max(a, b), parity ? -e.weight : e.weight});
     }
     sort_by_ends(sorted, n);
-    PairWeights weights(sorted.size());
-    std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(n));
-    std::vector<Candidate> initial;
-    for (std::size_t i = 0; i < sorted.size();)
+    add_up_parallel(sorted);
+    std::vector<Candidate> candidates;
+    candidates.reserve(sorted.size());
+    for (const SignedEdge& e : sorted)
+        candidates.push_back({std::abs(e.weight), e.a, e.b});
+    ClusterGraph clusters(n, std::move(sorted));
+    CandidateQueue queue(std::move(candidates));
+    const auto is_outdated = [&](const Candidate& c)
     {
-        const int a = sorted[i].a, b = sorted[i].b;
-        double sum = 0;
-        for (; i < sorted.size() && sorted[i].a == a && sorted[i].b == b; ++i)
-            sum += sorted[i].weight;
-        weights.insert(a, b, sum);
-        neighbours[a].push_back(b);
-        neighbours[b].push_back(a);
-        initial.push_back({std::abs(sum), a, b});
-    }
-    // Those to begin with, sorted once, take less time than in the queue, which holds what changed since.
-    std::sort(initial.begin(), initial.end());
-    std::priority_queue<Candidate> queue;
-    while (!queue.empty() || !initial.empty())
+        const double* weight = clusters.find_weight(c.a, c.b);
+        return !weight || std::abs(*weight) != c.strength || c.strength == 0;
+    };
+    Candidate top;
+    while (queue.pop(top, is_outdated))
     {
-        const bool is_unchanged = queue.empty() || (!initial.empty() && queue.top() < initial.back());
-        const Candidate top = is_unchanged ? initial.back() : queue.top();
-        if (is_unchanged)
-            initial.pop_back();
-        else
-            queue.pop();
-        const double* weight = weights.find(top.a, top.b);
-        if (!weight || std::abs(*weight) != top.strength || top.strength == 0)
+        if (is_outdated(top))
             continue;
-        const int parity = *weight < 0 ? 1 : 0;
-        const bool a_has_more = neighbours[top.a].size() >= neighbours[top.b].size();
+        const bool turns = *clusters.find_weight(top.a, top.b) < 0,
+                   a_has_more = clusters.count_neighbours(top.a) >= clusters.count_neighbours(top.b);
         const int keep = a_has_more ? top.a : top.b, gone = a_has_more ? top.b : top.a;
-        weights.erase(keep, gone);
-        forest.hang(gone, keep, parity);
-        for (const int other : neighbours[gone])
-        {
-            const double* found = weights.find(gone, other);
-            if (!found)
-                continue;
-            const double moved = parity ? -*found : *found;
-            weights.erase(gone, other);
-            double sum = moved;
-            if (double* present = weights.find(keep, other))
-                sum = *present += moved;
-            else
-            {
-                weights.insert(keep, other, moved);
-                neighbours[keep].push_back(other);
-                neighbours[other].push_back(keep);
-            }
-            queue.push({std::abs(sum), std::min(keep, other), std::max(keep, other)});
-        }
-        std::vector<int>().swap(neighbours[gone]);
+        forest.hang(gone, keep, turns);
+        clusters.merge(gone, keep, turns,
+                       [&](int other, double sum) {
+                           queue.push({std::abs(sum), std::min(keep, other), std::max(keep, other)});
+                       });
     }
 
     std::vector<Side> labels(std::size_t(n), Side::inner);

@@ -289,7 +289,6 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
     for (std::size_t i = 0; i < labels.size(); ++i)
         is_doubtful[i] = margins[i] < options.highest_margin && !graph.is_root[i];
     RingSearch rings(regular, at, balls);
-    Evidence evidence(graph, is_doubtful);
     BallLink link(labels.size());
     int total = 0;
     for (int round = 0; round < options.rounds; ++round)
@@ -301,6 +300,12 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
         { return group(find_ring_closers(regular, at, side, is_doubtful, margins, labels), regular, at); };
         parallel_invoke(
             options.threads, [&] { inner = find(Side::inner); }, [&] { outer = find(Side::outer); });
+        std::vector<char> is_listed(labels.size(), 0);
+        for (const auto* sets : {&inner, &outer})
+            for (const std::vector<int>& set : *sets)
+                for (const int ball : set)
+                    is_listed[ball] = 1;
+        Evidence evidence(graph, is_listed);
         std::vector<std::pair<double, std::vector<int>>> closers;
         for (auto* sets : {&inner, &outer})
             for (std::vector<int>& set : *sets)

@@ -1,10 +1,14 @@
+#include <recon/contraction.h>
 #include <recon/minimum_cut.h>
 #include <recon/signed_labelling.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
+#include <utility>
 
 using namespace recon;
 
@@ -18,9 +22,9 @@ SignedGraph planted_graph(int n, double wrong, unsigned seed, std::vector<Side>&
     const auto uniform = [&] { return double(random()) / 4294967296.0; };
     SignedGraph graph;
     graph.nodes = n;
-    graph.is_root.assign(n, 0);
+    graph.is_root = std::vector<char>(std::size_t(n), 0);
     graph.is_root[0] = 1;
-    sides.assign(n, Side::outer);
+    sides = std::vector<Side>(std::size_t(n), Side::outer);
     for (int i = 1; i < n; ++i)
         sides[i] = random() % 2 ? Side::outer : Side::inner;
     for (int k = 0; k < 8 * n; ++k)
@@ -48,7 +52,57 @@ double lowest_energy(const SignedGraph& graph)
     return lowest;
 }
 
+/// The strongest edge first, sought among all each time.
+std::vector<Side> contract_slowly(const SignedGraph& graph)
+{
+    std::map<std::pair<int, int>, double> weights;
+    for (const SignedEdge& e : graph.edges)
+        weights[std::minmax(e.a, e.b)] += e.weight;
+    ParityForest forest(graph.nodes);
+    while (!weights.empty())
+    {
+        const auto [pair, weight] =
+            *std::max_element(weights.begin(), weights.end(),
+                              [](const auto& a, const auto& b) { return std::abs(a.second) < std::abs(b.second); });
+        const auto [keep, gone] = pair;
+        forest.hang(gone, keep, weight < 0);
+        std::map<std::pair<int, int>, double> contracted;
+        for (const auto& [ends, other] : weights)
+        {
+            const auto [a, b] = ends;
+            if (ends == pair)
+                continue;
+            const bool is_moved = a == gone || b == gone;
+            contracted[std::minmax(a == gone ? keep : a, b == gone ? keep : b)] +=
+                is_moved && weight < 0 ? -other : other;
+        }
+        weights = std::move(contracted);
+    }
+    std::vector<Side> labels;
+    for (int i = 0; i < graph.nodes; ++i)
+    {
+        int parity = 0;
+        forest.find(0, parity);
+        forest.find(i, parity);
+        labels.push_back(parity == 0 ? Side::outer : Side::inner);
+    }
+    return labels;
+}
+
 } // namespace
+
+TEST(SignedLabelling, ContractionTakesTheStrongestEdgeFirst)
+{
+    // Every node is a neighbour of a tenth of the others to begin with, and clusters of nearly all in the end.
+    for (const unsigned seed : {1u, 2u, 3u})
+    {
+        std::vector<Side> sides;
+        SignedGraph graph = planted_graph(240, 0.4, seed, sides);
+        const std::vector<SignedEdge> more = planted_graph(240, 0.4, seed + 10, sides).edges;
+        graph.edges.insert(graph.edges.end(), more.begin(), more.end());
+        EXPECT_EQ(contract(graph, ParityForest(graph.nodes), 0), contract_slowly(graph));
+    }
+}
 
 TEST(SignedLabelling, FindsPlantedSidesInSpiteOfLies)
 {
@@ -101,7 +155,7 @@ TEST(SignedLabelling, PotentialClosesAHoleThatContractionFallsInto)
     // their own small satellites.
     SignedGraph graph;
     graph.nodes = 202;
-    graph.is_root.assign(graph.nodes, 0);
+    graph.is_root = std::vector<char>(std::size_t(graph.nodes), 0);
     graph.is_root[0] = 1;
     graph.edges.push_back({0, 1, 30});
     for (int i = 2; i < 202; i += 2)
@@ -154,7 +208,7 @@ TEST(MinimumCut, AgreesWithBruteForce)
     {
         SignedGraph graph;
         graph.nodes = 9;
-        graph.is_root.assign(graph.nodes, 0);
+        graph.is_root = std::vector<char>(std::size_t(graph.nodes), 0);
         graph.is_root[0] = 1;
         for (int k = 0; k < 20; ++k)
             graph.edges.push_back({int(random() % 9), int(random() % 9), double(random() % 100)});
