@@ -11,10 +11,18 @@
 namespace recon
 {
 
+/// Begins to read the cells around a ball, which lie anywhere in memory.
+inline void fetch_cells(const Triangulation& regular, const CellsAtVertices& at, int ball)
+{
+    for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
+        __builtin_prefetch(&regular.cells[at.cell[k]]);
+}
+
 /// Calls f(neighbour) for each neighbour of a ball, some more than once.
 template <class F>
 void visit_neighbours(const Triangulation& regular, const CellsAtVertices& at, int ball, F&& f)
 {
+    fetch_cells(regular, at, ball);
     for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
         for (const int other : regular.cells[at.cell[k]].vertices)
             if (other != ball && other != Triangulation::infinite)
@@ -63,6 +71,7 @@ public:
         balls_.clear();
         parent_.clear();
         labels_ = &labels;
+        fetch_cells(regular, at, ball);
         for (int k = at.first[ball]; k < at.first[ball + 1]; ++k)
         {
             // Of one side in a cell all are neighbours: to join each to the first is enough.
