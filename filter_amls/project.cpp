@@ -1,6 +1,7 @@
 #include "project.h"
 
 #include "anchor_sums.h"
+#include "cells_across.h"
 #include "residual_field.h"
 #include "runs.h"
 #include "surface_data.h"
@@ -37,8 +38,9 @@ constexpr int longest_run = 64;
 class Projector
 {
 public:
-    Projector(const AmlsSurface::Data& data, const AmlsProjectionOptions& options)
-        : data_(data), options_(options), sides_(options.sharp ? data.cell_sides : data.cell_normals.normals)
+    /// \param sides of the cells: in which half space points look for the surface.
+    Projector(const AmlsSurface::Data& data, const Vectors& sides, const AmlsProjectionOptions& options)
+        : data_(data), options_(options), sides_(sides)
     {
     }
 
@@ -261,12 +263,17 @@ int AmlsProjection::count(ProjectionStatus wanted) const
 AmlsProjection project_in_frame(const AmlsSurface::Data& data, const Points& unit, const std::vector<int>& cell,
                                 const AmlsProjectionOptions& options, int threads, const Progress& progress)
 {
+    Vectors plain_sides;
+    if (!options.sharp)
+        plain_sides =
+            turn_cells_across(data.points, data.point_search, data.cells, data.cell_search, data.cell_normals, threads);
+    const Vectors& sides = options.sharp ? data.cell_sides : plain_sides;
     AmlsProjection sorted;
     resize(sorted, unit.size());
     const std::vector<Run> runs =
         split_into_runs(unit, longest_run, [&](int i) { return run_radius * data.cells.scales[cell[i]].width; });
     visit_runs(
-        runs, threads, progress, [&] { return Projector(data, options); },
+        runs, threads, progress, [&] { return Projector(data, sides, options); },
         [&](Projector& projector, const Run& run)
         {
             const double width = largest_in(run, [&](int i) { return data.cells.scales[cell[i]].width; });
