@@ -22,7 +22,8 @@ struct AmlsProjectionOptions
     /// Anchors that face another way than the surface at the point must agree with it more closely: errors at bends and
     /// creases are up to 5 % lower, but where sheets crowd, as in the folds of scans, neighbours can settle apart.
     /// Cells whose normals lie across the surface take the side of the anchors around, which fewer samples of thin
-    /// parts then contradict; a crust hears of lost walls by those.
+    /// parts then contradict; a crust hears of lost walls by those. Without, only cells that noise alone has laid
+    /// across a plane look another way, see turn_cells_across().
     bool sharp = true;
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };

@@ -20,7 +20,8 @@ constexpr double pi = 3.14159265358979323846;
 double gaussian(Random& random)
 {
     // Box-Muller, since std::normal_distribution differs between standard libraries.
-    return std::sqrt(-2 * std::log(1 - uniform(random))) * std::cos(2 * pi * uniform(random));
+    const double first = uniform(random), second = uniform(random);
+    return std::sqrt(-2 * std::log(1 - first)) * std::cos(2 * pi * second);
 }
 
 Vector direction(Random& random)

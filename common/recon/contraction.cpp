@@ -17,8 +17,7 @@ class ClusterGraph
 {
 public:
     /// \param pairs each at most once.
-    ClusterGraph(int nodes, std::vector<SignedEdge> pairs)
-        : pairs_(std::move(pairs)), links_(std::size_t(nodes)), named_(std::size_t(nodes), 0)
+    ClusterGraph(int nodes, std::vector<SignedEdge> pairs) : pairs_(std::move(pairs)), links_(std::size_t(nodes))
     {
         std::vector<std::size_t> degrees(std::size_t(nodes), 0);
         for (const SignedEdge& pair : pairs_)
@@ -40,8 +39,8 @@ public:
         const int place = find(a, b);
         return place < 0 ? nullptr : &pairs_[std::size_t(place)].weight;
     }
-    /// Neighbours that it has had so far [count].
-    int count_neighbours(int cluster) const { return named_[std::size_t(cluster)]; }
+    /// What it takes to merge it into another [count].
+    std::size_t count_links(int cluster) const { return links_[std::size_t(cluster)].size(); }
 
     /// Moves the weights of `gone` to `keep`, turned over if `turns`. \param changed is called with each cluster whose
     /// weight with `keep` is another now, and that weight.
@@ -62,7 +61,6 @@ public:
                 pair = {keep, other, moved};
                 rename(other, link.place, keep);
                 append(keep, other, link.place);
-                ++named_[std::size_t(other)];
                 changed(other, moved);
                 continue;
             }
@@ -107,7 +105,6 @@ private:
     {
         std::vector<Link>& links = links_[std::size_t(cluster)];
         links.push_back({other, place});
-        ++named_[std::size_t(cluster)];
         if (links.size() == many)
             for (const Link& link : links)
                 tabulate(cluster, link);
@@ -140,7 +137,6 @@ private:
 
     std::vector<SignedEdge> pairs_;
     std::vector<std::vector<Link>> links_;
-    std::vector<int> named_;                              ///< See count_neighbours().
     std::unordered_map<std::uint64_t, int> between_many_; ///< Place of the pair.
 };
 
@@ -188,8 +184,8 @@ struct Candidate
     }
 };
 
-/// Hands out the strongest candidate first. Only the strongest are in a heap that is small enough for the caches; of
-/// the others most are outdated when their turn comes.
+/// Hands out the strongest candidate first, and none that is outdated. Only the strongest are in a heap that is small
+/// enough for the caches; of the others most are outdated when their turn comes.
 class CandidateQueue
 {
 public:
@@ -205,17 +201,20 @@ public:
             std::push_heap(heap_.begin(), heap_.end());
         }
     }
-    /// \param is_outdated says of a candidate that it need not be handed out. \returns false if there is none.
+    /// \returns false if there is none.
     template <class IsOutdated>
     bool pop(Candidate& strongest, const IsOutdated& is_outdated)
     {
-        if (heap_.empty())
-            refill(is_outdated);
-        if (heap_.empty())
-            return false;
-        std::pop_heap(heap_.begin(), heap_.end());
-        strongest = heap_.back();
-        heap_.pop_back();
+        do
+        {
+            if (heap_.empty())
+                refill(is_outdated);
+            if (heap_.empty())
+                return false;
+            std::pop_heap(heap_.begin(), heap_.end());
+            strongest = heap_.back();
+            heap_.pop_back();
+        } while (is_outdated(strongest));
         return true;
     }
 
@@ -271,10 +270,8 @@ std::vector<Side> contract(const SignedGraph& graph, ParityForest forest, int ro
     Candidate top;
     while (queue.pop(top, is_outdated))
     {
-        if (is_outdated(top))
-            continue;
         const bool turns = *clusters.find_weight(top.a, top.b) < 0,
-                   a_has_more = clusters.count_neighbours(top.a) >= clusters.count_neighbours(top.b);
+                   a_has_more = clusters.count_links(top.a) >= clusters.count_links(top.b);
         const int keep = a_has_more ? top.a : top.b, gone = a_has_more ? top.b : top.a;
         forest.hang(gone, keep, turns);
         clusters.merge(gone, keep, turns,

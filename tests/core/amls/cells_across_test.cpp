@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <random>
+#include <cstdint>
 
 using namespace recon;
 
@@ -25,13 +25,12 @@ struct Scene
 
     void add_sheet(double height, double side, double end = 0.5)
     {
-        for (int i = 0; i < 4000; ++i)
-        {
-            const Eigen::Vector2d at = shapes::draw_pair([&] { return shapes::uniform(random) - 0.5; });
-            const double off = sigma * normal_deviate(random);
-            if (at.x() < end)
-                points.emplace_back(at.x(), at.y(), height + off);
-        }
+        const std::uint64_t seed = points.size(); // other samples for each sheet
+        Points sheet = shapes::scattered(4000, Vector(1, 1, 0), seed);
+        sheet.erase(std::remove_if(sheet.begin(), sheet.end(), [&](const Point& p) { return p.x() >= end; }),
+                    sheet.end());
+        for (const Point& p : shapes::with_noise(sheet, sigma, seed + 1))
+            points.push_back(p + height * Vector::UnitZ());
         for (double x = -0.5; x < end; x += 0.6 * width)
             for (double y = -0.5; y < 0.5; y += 0.6 * width)
                 add_cell({x, y, height}, {0, 0, side}, 1);
@@ -61,8 +60,6 @@ struct Scene
     }
 
     double sigma;
-    shapes::Random random{7};
-    std::normal_distribution<double> normal_deviate;
     Points points;
     Cells cells;
     CellNormals normals;

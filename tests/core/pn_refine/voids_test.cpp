@@ -104,7 +104,8 @@ TEST(Voids, NoneIsFoundWhereSamplesLieEvenlyNorAcrossARim)
             {
                 if (x < 8 && y >= 18 && y < 18 + width) // a bay
                     continue;
-                grid.points.emplace_back(x + jitter(), y + jitter(), 0);
+                const Eigen::Vector2d place = Eigen::Vector2d(x, y) + shapes::draw_pair(jitter);
+                grid.points.emplace_back(place.x(), place.y(), 0);
                 grid.normals.push_back(Vector::UnitZ());
             }
         // Some at the end of a wide one.
