@@ -70,26 +70,36 @@ struct ThinnedCells
     std::vector<int> representative; ///< Per coarse voxel: its fine one with most mass.
     std::vector<char> is_stood_for;  ///< Per fine voxel: is that one, or lies on its piece of surface.
 
-    ThinnedCells(const Cells& cells, const CellNormals& all_normals)
+    ThinnedCells(const Cells& cells, const CellNormals& all_normals, int threads)
         : normals(all_normals), voxel_of_cell(cells.size(), -1)
     {
+        std::vector<int> level_of_cell(cells.means.size());
+        parallel_for(
+            level_of_cell.size(), threads, {},
+            [&](std::size_t c) { level_of_cell[c] = VoxelTable::level_of(fine_edge * cells.scales[c].width); }, 4096);
         HeaviestOfVoxels fine(cells.means.size() / 2);
         for (int c = 0; c < cells.size(); ++c)
         {
             if (normals.kinds[c] != CellKind::regular)
                 continue;
-            const int l = VoxelTable::level_of(fine_edge * cells.scales[c].width);
-            voxel_of_cell[c] = fine.add(c, normals.feet[c], l, normals.mass[c]);
+            voxel_of_cell[c] = fine.add(c, normals.feet[c], level_of_cell[c], normals.mass[c]);
             if (voxel_of_cell[c] == int(level.size()))
-                level.push_back(l);
+                level.push_back(level_of_cell[c]);
         }
         cell = std::move(fine.items);
         HeaviestOfVoxels coarse(cell.size() / 2);
         for (int f = 0; f < size(); ++f)
             coarse_of.push_back(coarse.add(f, foot(f), level[f] + landmark_levels, mass(f)));
         representative = std::move(coarse.items);
-        for (int f = 0; f < size(); ++f)
-            is_stood_for.push_back(f == representative_of(f) || are_on_one_piece(representative_of(f), f));
+        is_stood_for.resize(cell.size());
+        parallel_for(
+            cell.size(), threads, {},
+            [&](std::size_t i)
+            {
+                const int f = int(i);
+                is_stood_for[i] = f == representative_of(f) || are_on_one_piece(representative_of(f), f);
+            },
+            4096);
     }
 
     int size() const { return int(cell.size()); } ///< Fine voxels.
@@ -129,7 +139,7 @@ std::vector<std::uint8_t> find_plain_voxels(const ThinnedCells& thinned, int thr
         middles[i] /= counts[i];
 
     std::vector<std::uint8_t> plain(thinned.representative.size());
-    const BlockSearch search(places);
+    const BlockSearch search(places, threads);
     parallel_chunks(plain.size(), threads, 512, {},
                     [&](std::size_t begin, std::size_t end)
                     {
@@ -164,7 +174,7 @@ std::vector<std::uint8_t> find_plain_voxels(const ThinnedCells& thinned, int thr
 
 AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int threads)
 {
-    const ThinnedCells thinned(cells, normals);
+    const ThinnedCells thinned(cells, normals, threads);
     const std::vector<std::uint8_t> plain = find_plain_voxels(thinned, threads);
 
     // Landmarks: of plain voxels the representative, elsewhere all fine cells. Anchors: somewhat more.

@@ -104,7 +104,7 @@ void correct_bends(std::vector<Anchor>& anchors, const std::vector<TwoWidths>& f
         places.push_back(starts[a].foot);
         normals.push_back(starts[a].normal);
     }
-    const BlockSearch search(places);
+    const BlockSearch search(places, threads);
     const std::vector<Run> runs =
         split_into_runs(places, longest_run, [&](int i) { return run_radius * starts[asked[i]].width; });
     parallel_chunks(runs.size(), threads, 64, {},

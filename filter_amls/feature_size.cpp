@@ -1,9 +1,11 @@
 #include "feature_size.h"
 
+#include <recon/block_search.h>
 #include <recon/delaunay.h>
 #include <recon/errors.h>
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>
@@ -86,7 +88,8 @@ std::vector<double> measure_feature_size(const Points& queries, const Points& po
     if (options.smoothing < 0)
         throw InvalidInput("The number of points for smoothing must be 0 (none) or more.");
     const int threads = resolve_threads(options.threads);
-    const NeighbourSearch search(poles);
+    const Points sorted = points_at(order_spatially(poles, threads).order, poles);
+    const BlockSearch search(sorted, threads);
     std::vector<double> raw(queries.size(), std::numeric_limits<double>::infinity());
     parallel_for(
         queries.size(), threads, progress,
@@ -94,7 +97,7 @@ std::vector<double> measure_feature_size(const Points& queries, const Points& po
         {
             const int pole = search.nearest(queries[i]);
             if (pole >= 0)
-                raw[i] = (poles[pole] - queries[i]).norm();
+                raw[i] = (sorted[pole] - queries[i]).norm();
         },
         1024);
     if (options.smoothing < 2)

@@ -105,7 +105,7 @@ std::vector<int> with_strays(std::vector<int> isolated, const Points& points, in
         return isolated;
     const std::vector<int> others = list_others(points.size(), isolated);
     const Points rest = points_at(others, points);
-    const BlockSearch search(rest);
+    const BlockSearch search(rest, threads);
     std::vector<char> strays(rest.size());
     parallel_for(rest.size(), threads, {}, [&](std::size_t i) { strays[i] = is_stray(rest, search, i); });
     for (std::size_t i = 0; i < rest.size(); ++i)
@@ -129,7 +129,7 @@ std::vector<int> find_isolated_points(const Points& points, int threads, const P
 {
     if (points.size() < fewest_points)
         return {};
-    const BlockSearch search(points);
+    const BlockSearch search(points, threads);
     if (!may_have_isolated_points(points, search))
         return {};
     PhaseTimes times;

@@ -3,6 +3,8 @@
 #include <recon/disjoint_sets.h>
 #include <recon/parallel.h>
 
+#include <boost/sort/spreadsort/integer_sort.hpp>
+
 #include <algorithm>
 #include <cstring>
 
@@ -26,7 +28,7 @@ std::vector<int> sort_by_weight(const std::vector<Tie>& ties, float opposite_fac
         std::memcpy(&bits, &weight, sizeof bits);
         keys[i] = std::uint64_t(~bits) << 32 | std::uint32_t(i);
     }
-    std::sort(keys.begin(), keys.end());
+    boost::sort::spreadsort::integer_sort(keys.begin(), keys.end());
     std::vector<int> order(keys.size());
     std::transform(keys.begin(), keys.end(), order.begin(), [](std::uint64_t key) { return int(std::uint32_t(key)); });
     return order;

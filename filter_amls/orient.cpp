@@ -124,43 +124,52 @@ struct GroundedCloud
 /// Between balls by cell, the outermost ones as the outside, which is the number of finite cells. \param grounded may
 /// be null.
 std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals,
-                           const GroundedCloud* grounded)
+                           const GroundedCloud* grounded, int threads)
 {
+    constexpr std::size_t grain = 8192;
     const Triangulation& t = balls.delaunay;
     const int outside = t.finite_cells;
-    std::vector<Tie> ties;
-    ties.reserve(2 * std::size_t(t.finite_cells) + points.size());
-    const auto tie = [&](int a, int b, double weight, bool opposite)
+    const auto tie = [&](int a, int b, double weight, bool opposite, std::vector<Tie>& ties)
     {
         a = is_outermost(t, a) ? outside : a;
         b = is_outermost(t, b) ? outside : b;
         if (weight > 0 && a != b)
             ties.push_back({a, b, float(weight), opposite});
     };
-    for (int c = 0; c < t.finite_cells; ++c)
+    const auto tie_neighbours = [&](int c, std::vector<Tie>& ties)
+    {
         for (int i = 0; i < 4; ++i)
         {
             const int o = t.cells[c].neighbours[i];
-            if (t.is_finite(o) && o > c)
-            {
-                const double cosine =
-                    intersection_cosine(balls.radius[c], balls.radius[o], (t.centres[c] - t.centres[o]).squaredNorm());
-                const double size = grounded ? grounded->weigh(t, points, c, i) : 1;
-                tie(c, o, size * cosine * std::min(balls.big[c], balls.big[o]), false);
-            }
+            if (!t.is_finite(o) || o <= c)
+                continue;
+            const double cosine =
+                intersection_cosine(balls.radius[c], balls.radius[o], (t.centres[c] - t.centres[o]).squaredNorm());
+            const double size = grounded ? grounded->weigh(t, points, c, i) : 1;
+            tie(c, o, size * cosine * std::min(balls.big[c], balls.big[o]), false, ties);
         }
-    for (std::size_t v = 0; v < points.size(); ++v)
+    };
+    const auto tie_opposites = [&](int v, std::vector<Tie>& ties)
     {
         const int a = balls.outer[v], b = balls.inner[v];
         if (a < 0 || b < 0 || (grounded && grounded->is_ground[v]))
-            continue;
+            return;
         const double weight =
             opposite_weight *
-            std::min(pole_cosine(balls, points, normals, int(v), a), pole_cosine(balls, points, normals, int(v), b)) *
+            std::min(pole_cosine(balls, points, normals, v, a), pole_cosine(balls, points, normals, v, b)) *
             std::min(balls.big[a], balls.big[b]);
-        tie(a, b, weight, true);
-    }
-    return ties;
+        tie(a, b, weight, true, ties);
+    };
+    return collect_chunks<Tie>(std::size_t(t.finite_cells) + points.size(), threads, grain,
+                               [&](std::size_t begin, std::size_t end, std::vector<Tie>& ties)
+                               {
+                                   ties.reserve(2 * grain);
+                                   for (int i = int(begin); i < int(end); ++i)
+                                       if (i < t.finite_cells)
+                                           tie_neighbours(i, ties);
+                                       else
+                                           tie_opposites(i - t.finite_cells, ties);
+                               });
 }
 
 /// Flips normals that the 12 points around them contradict more than their own balls confirm, beginning where
@@ -178,7 +187,7 @@ void settle_votes(const Triangulation& t, const Points& points, const std::vecto
                 if (v[i] < n && v[j] < n && normals[v[i]].dot(normals[v[j]]) < 0)
                     doubtful[v[i]] = doubtful[v[j]] = 1;
     }
-    const BlockSearch search(points);
+    const BlockSearch search(points, threads);
     for (int round = 0; round < vote_rounds; ++round)
     {
         std::vector<int> asked;
@@ -281,13 +290,14 @@ BallLabels label(const Balls& balls, const std::vector<Tie>& ties, int threads)
 
 /// Per point: how far its balls agree that its normal points outward (> 0) or inward [-2..2].
 std::vector<double> ask_balls(const Balls& balls, const Points& points, const Vectors& normals,
-                              const std::vector<std::int8_t>& side)
+                              const std::vector<std::int8_t>& side, int threads)
 {
     std::vector<double> vote(points.size(), 0);
     const auto trust = [&](std::size_t v, int cell)
     { return cell < 0 ? 0 : side[cell] * balls.big[cell] * pole_cosine(balls, points, normals, int(v), cell); };
-    for (std::size_t v = 0; v < points.size(); ++v)
-        vote[v] = trust(v, balls.outer[v]) - trust(v, balls.inner[v]);
+    parallel_for(
+        points.size(), threads, {},
+        [&](std::size_t v) { vote[v] = trust(v, balls.outer[v]) - trust(v, balls.inner[v]); }, 4096);
     return vote;
 }
 
@@ -453,12 +463,12 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     const Balls balls = make_balls(points, normals, spacing, threads, progress.part(0, 0.6, "Delaunay triangulation"));
     const Triangulation& t = balls.delaunay;
     progress.part(0.6, 0.9, "Orientation").report(0);
-    BallLabels labels = label(balls, list_ties(balls, points, normals, nullptr), threads);
+    BallLabels labels = label(balls, list_ties(balls, points, normals, nullptr, threads), threads);
     progress.part(0.9, 1, "Orientation").report(0);
 
     Orientation result;
     result.contradicted = labels.contradicted;
-    std::vector<double> vote = ask_balls(balls, points, normals, labels.side);
+    std::vector<double> vote = ask_balls(balls, points, normals, labels.side, threads);
     result.normals = turn_by(vote, normals);
     result.open = measure_gaps(t, points, spacing, labels.side) > open_share;
     const std::optional<Ground> ground =
@@ -469,9 +479,9 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
         GroundedCloud grounded{std::vector<char>(n, 0), spacing};
         for (const int v : ground->members)
             grounded.is_ground[v] = 1;
-        labels = label(balls, list_ties(balls, points, normals, &grounded), threads);
+        labels = label(balls, list_ties(balls, points, normals, &grounded, threads), threads);
         result.contradicted = labels.contradicted;
-        vote = ask_balls(balls, points, normals, labels.side);
+        vote = ask_balls(balls, points, normals, labels.side, threads);
         for (const int v : ground->members)
             vote[v] = normals[v].dot(up) < 0 ? -1 : 1;
         result.normals = turn_by(vote, normals);

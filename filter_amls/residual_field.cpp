@@ -153,20 +153,23 @@ double believed_share(double agreed, double told)
 }
 
 ResidualField list_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected,
-                             const std::vector<int>& moved)
+                             const std::vector<int>& moved, int threads)
 {
     ResidualField field;
-    field.places.reserve(moved.size());
-    field.normals.reserve(moved.size());
-    field.residuals.reserve(moved.size());
-    for (const int m : moved)
-    {
-        const std::size_t i = std::size_t(m);
-        field.places.push_back(projected.points[i]);
-        field.normals.push_back(projected.normals[i]);
-        field.residuals.push_back(float((data.points[i] - projected.points[i]).dot(projected.normals[i])));
-    }
-    field.search = BlockSearch(field.places);
+    field.places.resize(moved.size());
+    field.normals.resize(moved.size());
+    field.residuals.resize(moved.size());
+    parallel_for(
+        moved.size(), threads, {},
+        [&](std::size_t m)
+        {
+            const std::size_t i = std::size_t(moved[m]);
+            field.places[m] = projected.points[i];
+            field.normals[m] = projected.normals[i];
+            field.residuals[m] = float((data.points[i] - projected.points[i]).dot(projected.normals[i]));
+        },
+        4096);
+    field.search = BlockSearch(field.places, threads);
     return field;
 }
 
@@ -263,7 +266,7 @@ TrialPlaces::TrialPlaces(const AmlsSurface::Data& data, const AmlsProjection& pr
     Points places;
     for (std::size_t i = 0; i < n; i += stride)
         places.push_back(projected.points[std::size_t(moved[i])]);
-    const BlockSearch search(places);
+    const BlockSearch search(places, threads);
     near.resize(count * pooled);
     parallel_for(
         count, threads, {},
@@ -281,7 +284,7 @@ TrialPlaces::TrialPlaces(const AmlsSurface::Data& data, const AmlsProjection& pr
 ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProjection& projected,
                                 const TrialPlaces& places, double window, int threads)
 {
-    ResidualField field = list_residuals(data, projected, places.moved);
+    ResidualField field = list_residuals(data, projected, places.moved, threads);
     field.window = window;
     const std::vector<Trial> trials = run_trials(data, field, places, threads);
     const BestScale best = choose_best_scale(trials);

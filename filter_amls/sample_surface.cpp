@@ -27,12 +27,11 @@ AmlsProjection project_as_samples(const Points& points, const AmlsSurface& surfa
 SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surface, int threads,
                                    const Progress& progress)
 {
+    threads = resolve_threads(threads);
     const AmlsProjection projected = project_as_samples(points, surface, threads, progress.part(0, 0.8, "projection"));
     SurfaceSamples result;
-    OrientedSamples kept;
-    std::vector<double> radii, expected;
     // In spatial order, so that the choice does not depend on the order of the input.
-    for (const int i : order_input(points).order)
+    for (const int i : order_input(points, threads).order)
     {
         if (projected.status[i] == ProjectionStatus::outlier)
         {
@@ -40,13 +39,23 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
             continue;
         }
         result.claimed.push_back(i);
-        kept.points.push_back(projected.points[i]);
-        kept.normals.push_back(projected.normals[i]);
-        radii.push_back(0.4 * projected.widths[i]);
-        const double spacings = radii.back() / projected.spacings[i];
-        expected.push_back(pi * spacings * spacings);
     }
-    for (const int i : thin_to_poisson_disks(kept.points, kept.normals, radii, expected, resolve_threads(threads)))
+    const std::size_t n = result.claimed.size();
+    OrientedSamples kept{Points(n), Vectors(n)};
+    std::vector<double> radii(n), expected(n);
+    parallel_for(
+        n, threads, {},
+        [&](std::size_t k)
+        {
+            const int i = result.claimed[k];
+            kept.points[k] = projected.points[i];
+            kept.normals[k] = projected.normals[i];
+            radii[k] = 0.4 * projected.widths[i];
+            const double spacings = radii[k] / projected.spacings[i];
+            expected[k] = pi * spacings * spacings;
+        },
+        4096);
+    for (const int i : thin_to_poisson_disks(kept.points, kept.normals, radii, expected, threads))
     {
         result.samples.points.push_back(kept.points[i]);
         result.samples.normals.push_back(kept.normals[i]);

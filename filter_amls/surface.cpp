@@ -75,7 +75,7 @@ void orient_cells(const Cells& cells, const Points& feet, const AnchorChoice& ch
             positions.push_back(feet[c]);
             directions.push_back(normals[c]);
         }
-    const BlockSearch search(positions);
+    const BlockSearch search(positions, threads);
     parallel_for(
         std::size_t(cells.size()), threads, {},
         [&](std::size_t c)
@@ -265,10 +265,10 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     PhaseTimes times;
 
     auto data = std::make_shared<AmlsSurface::Data>(frame);
-    data->spatial = order_input(points);
+    data->spatial = order_input(points, threads);
     for (int i : data->spatial.order)
         data->points.push_back(frame.to_unit(points[i]));
-    data->point_search = BlockSearch(data->points);
+    data->point_search = BlockSearch(data->points, threads);
     data->crust =
         earlier && earlier->data().points == data->points ? earlier->data().crust : std::make_shared<CrustOfPoints>();
     SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), threads,
@@ -300,12 +300,12 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     data->anchors = fit_anchors(samples, anchors.starts, robust_scale, threads, progress.part(0.85, 0.95, "Fit"));
     for (const Anchor& anchor : data->anchors)
         data->anchor_positions.push_back(anchor.position);
-    data->anchor_search = BlockSearch(data->anchor_positions);
+    data->anchor_search = BlockSearch(data->anchor_positions, threads);
     data->cell_sides = normals.normals;
     follow_anchors(cells, data->anchors, data->anchor_search, data->cell_sides, threads);
     for (const int i : order_spatially(orientation.poles).order)
         data->poles.push_back(orientation.poles[std::size_t(i)]);
-    data->pole_search = BlockSearch(data->poles);
+    data->pole_search = BlockSearch(data->poles, threads);
     if (robust_scale < picky_scale)
     {
         times.begin("residuals");

@@ -66,7 +66,7 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
     const LocalScales scales = choose_widths(points, search, made.noise, threads, progress.part(0.15, 0.45, "Width"));
     times.begin("cells");
     made.cells = average_cells(points, scales, threads, progress.part(0.45, 0.6, "Cells"));
-    made.search = BlockSearch(made.cells.means);
+    made.search = BlockSearch(made.cells.means, threads);
     times.begin("normals");
     made.normals = estimate_cell_normals(made.cells, made.search, threads, progress.part(0.6, 1, "Normals"));
     return made;
@@ -82,7 +82,8 @@ SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, d
         return first;
     const std::vector<int> others = list_others(points.size(), outliers);
     const Points rest = points_at(others, points);
-    SurfaceCells made = make_cells(rest, BlockSearch(rest), given_noise, threads, times, progress.part(0.6, 1));
+    SurfaceCells made =
+        make_cells(rest, BlockSearch(rest, threads), given_noise, threads, times, progress.part(0.6, 1));
     Cells& cells = made.cells;
     std::vector<int> cell_of_point(points.size());
     for (std::size_t i = 0; i < rest.size(); ++i)
@@ -102,7 +103,7 @@ SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, d
         made.normals.widening.push_back(1);
     }
     cells.cell_of_point = std::move(cell_of_point);
-    made.search = BlockSearch(cells.means);
+    made.search = BlockSearch(cells.means, threads);
     return made;
 }
 

@@ -37,7 +37,7 @@ std::vector<int> shuffled(int n)
 std::vector<int> thin_to_poisson_disks(const Points& points, const Vectors& normals, const std::vector<double>& radii,
                                        const std::vector<double>& expected, int threads)
 {
-    const BlockSearch search(points);
+    const BlockSearch search(points, threads);
     const std::vector<int> order = shuffled(int(points.size()));
     const std::size_t batch = std::max(least_batch, order.size() / batches);
     std::vector<char> covered(points.size(), 0);
@@ -71,7 +71,7 @@ std::vector<int> thin_to_poisson_disks(const Points& points, const Vectors& norm
                 find_facing(i, region_radii * radii[i], region);
                 stray[k] = region_radii * region_radii * count < stray_share * double(region.size());
             },
-            64);
+            16);
         for (std::size_t k = 0; k < asked.size(); ++k)
         {
             if (covered[asked[k]] || stray[k])

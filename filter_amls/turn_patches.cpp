@@ -3,6 +3,7 @@
 #include "label_balls.h"
 
 #include <recon/disjoint_sets.h>
+#include <recon/parallel.h>
 
 #include <algorithm>
 #include <array>
@@ -37,12 +38,14 @@ void sort_out_twins(std::vector<Edge>& edges)
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
-/// Edges between points that are near each other, each as often as it has tetrahedra.
+constexpr std::size_t grain = 8192; // cells
+
+/// Edges of cells [begin, end) between points that are near each other, each as often as it has tetrahedra.
 template <class Visit>
-void visit_near_edges(const Triangulation& t, const Points& points, const std::vector<double>& spacing,
-                      const Visit& visit)
+void visit_near_edges(const Triangulation& t, std::size_t begin, std::size_t end, const Points& points,
+                      const std::vector<double>& spacing, const Visit& visit)
 {
-    for (int c = 0; c < t.finite_cells; ++c)
+    for (std::size_t c = begin; c < end; ++c)
     {
         const auto& v = t.cells[c].vertices;
         for (int i = 0; i < 4; ++i)
@@ -75,16 +78,19 @@ struct Patches
 
 /// Bounds are looked at only if there are two patches or more.
 Patches find_patches(const Triangulation& t, const Points& points, const std::vector<double>& spacing,
-                     const Vectors& normals)
+                     const Vectors& normals, int threads)
 {
+    const std::size_t cells = std::size_t(t.finite_cells);
     DisjointSets sets(points.size());
     const auto agree = [&](const Edge& edge) { return normals[edge[0]].dot(normals[edge[1]]) > 0; };
-    visit_near_edges(t, points, spacing,
-                     [&](const Edge& edge)
-                     {
-                         if (agree(edge) && lie_in_one_plane(edge, points, normals))
-                             sets.join(edge[0], edge[1]);
-                     });
+    const auto join = [&](const Edge& edge)
+    {
+        if (agree(edge) && lie_in_one_plane(edge, points, normals))
+            sets.join(edge[0], edge[1]);
+    };
+    parallel_chunks(cells, threads, grain, {},
+                    [&](std::size_t begin, std::size_t end)
+                    { visit_near_edges(t, begin, end, points, spacing, join); });
     std::vector<int> size(points.size(), 0), number(points.size(), -1);
     for (int v = 0; v < int(points.size()); ++v)
         ++size[sets.find(v)];
@@ -102,13 +108,16 @@ Patches find_patches(const Triangulation& t, const Points& points, const std::ve
     }
     if (patches.size.size() < 2)
         return patches;
-    std::vector<Edge> bounds;
-    visit_near_edges(t, points, spacing,
-                     [&](const Edge& edge)
-                     {
-                         if (sets.find(edge[0]) != sets.find(edge[1]))
-                             bounds.push_back(edge);
-                     });
+    const auto add_bounds = [&](std::size_t begin, std::size_t end, std::vector<Edge>& found)
+    {
+        visit_near_edges(t, begin, end, points, spacing,
+                         [&](const Edge& edge)
+                         {
+                             if (sets.find(edge[0]) != sets.find(edge[1]))
+                                 found.push_back(edge);
+                         });
+    };
+    std::vector<Edge> bounds = collect_chunks<Edge>(cells, threads, grain, add_bounds);
     sort_out_twins(bounds);
     patches.leaving.assign(patches.size.size(), 0);
     for (const Edge& edge : bounds)
@@ -181,7 +190,7 @@ std::vector<int> choose_fixed(const Patches& patches, const std::vector<Tie>& se
 double turn_patches(const Triangulation& delaunay, const Points& points, const std::vector<double>& spacing,
                     bool has_ground, Vectors& normals, int threads)
 {
-    const Patches patches = find_patches(delaunay, points, spacing, normals);
+    const Patches patches = find_patches(delaunay, points, spacing, normals, threads);
     std::vector<Tie> ties = list_seams(patches, has_ground ? seam_share_on_ground : seam_share);
     if (ties.empty())
         return 0;

@@ -50,11 +50,11 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     times.begin("gate");
     check_spans_volume(points);
     PreparedSamples result(points);
-    result.order = order_input(points).order;
+    const int threads = resolve_threads(options.threads);
+    result.order = order_input(points, threads).order;
     // Sorted, so that neither the order of the input nor equal points have a say in what follows.
     Points sorted = points_at(result.order, points);
     result.distinct = result.frame.to_unit(sorted);
-    const int threads = resolve_threads(options.threads);
     Cleanness cleanness = measure_cleanness(result.distinct, threads);
     // In a noisy one it is denoising that drops outliers.
     if (options.denoise == Denoise::automatic && cleanness.is_clean())

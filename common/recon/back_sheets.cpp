@@ -1,5 +1,6 @@
 #include <recon/back_sheets.h>
 
+#include <recon/block_search.h>
 #include <recon/crust_mesh.h>
 #include <recon/disjoint_sets.h>
 #include <recon/level_sheet.h>
@@ -53,7 +54,7 @@ bool is_lost(double share_around)
 class Sheets
 {
 public:
-    Sheets(const std::vector<double>& around, double above, const Points& samples, const NeighbourSearch& search,
+    Sheets(const std::vector<double>& around, double above, const Points& samples, const BlockSearch& search,
            int threads)
         : around_(around), above_(above), sheets_(around.size())
     {
@@ -90,7 +91,7 @@ private:
 /// Only sheets of least_sheet samples and more, each with what borders on it.
 LostSheets without_rims(LostSheets lost, const Points& samples, int threads)
 {
-    const NeighbourSearch search(samples);
+    const BlockSearch search(samples, threads);
     Sheets cores(lost.around, lost_above, samples, search, threads);
     Sheets wide(lost.around, backed_above, samples, search, threads);
     const std::vector<int> sizes = cores.sizes();
@@ -140,7 +141,7 @@ LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled
         return {};
     LostSheets result;
     result.around.resize(n, 0);
-    const NeighbourSearch search(samples);
+    const BlockSearch search(samples, threads);
     const auto look_around = [&](bool hollow_ones)
     {
         parallel_for(n, threads, {},

@@ -125,7 +125,7 @@ SampleSpacing measure_spacing(const Points& samples, const BlockSearch& search, 
     };
     parallel_chunks(m, threads, 256, {}, measure);
     const Points members = points_at(result.subset, samples);
-    result.search = BlockSearch(members);
+    result.search = BlockSearch(members, threads);
     result.nearest = find_nearest_samples(samples, members, threads).sample;
     return result;
 }

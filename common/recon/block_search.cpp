@@ -1,5 +1,6 @@
 #include <recon/block_search.h>
 
+#include <recon/parallel.h>
 #include <recon/simd.h>
 #include <recon/vector_clones.h>
 
@@ -11,6 +12,8 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace recon
 {
@@ -278,47 +281,70 @@ bool find_within(const Tree& tree, const double* q, double limit, int wanted)
 
 } // namespace
 
-BlockSearch::BlockSearch(const Points& points) : size_(points.size())
+BlockSearch::BlockSearch(const Points& points, int threads) : size_(points.size())
 {
-    if (size_ > 0)
-        spacing_ = bounding_box(points).diagonal() / std::sqrt(double(size_));
+    constexpr std::size_t grain = 1024;
     // Entries beyond the last point are infinitely far: infinity - infinity never occurs, queries are finite.
     leaves_.resize((size_ + fan - 1) / fan);
-    for (std::size_t i = 0; i < leaves_.size() * fan; ++i)
-        for (int axis = 0; axis < 3; ++axis)
-            leaves_[i / fan].p[axis][i % fan] = i < size_ ? points[i][axis] : infinity;
+    parallel_for(
+        leaves_.size(), threads, {},
+        [&](std::size_t leaf)
+        {
+            for (std::size_t k = 0; k < fan; ++k)
+                for (int axis = 0; axis < 3; ++axis)
+                    leaves_[leaf].p[axis][k] = leaf * fan + k < size_ ? points[leaf * fan + k][axis] : infinity;
+        },
+        grain);
     std::size_t below = leaves_.size();
     while (below > 0)
     {
         std::vector<Box> level((below + fan - 1) / fan);
-        for (std::size_t i = 0; i < level.size() * fan; ++i)
-            for (int axis = 0; axis < 3; ++axis)
+        parallel_for(
+            level.size(), threads, {},
+            [&](std::size_t box)
             {
-                double low = infinity, high = -infinity;
-                if (i < below)
-                    for (int k = 0; k < fan; ++k)
-                    {
-                        if (levels_.empty())
-                        {
-                            if (i * fan + std::size_t(k) >= size_)
-                                continue;
-                            low = std::min(low, leaves_[i].p[axis][k]);
-                            high = std::max(high, leaves_[i].p[axis][k]);
-                        }
-                        else
-                        {
-                            low = std::min(low, levels_.back()[i].low[axis][k]);
-                            high = std::max(high, levels_.back()[i].high[axis][k]);
-                        }
-                    }
-                level[i / fan].low[axis][i % fan] = low;
-                level[i / fan].high[axis][i % fan] = high;
-            }
+                for (std::size_t k = 0; k < fan; ++k)
+                    for (int axis = 0; axis < 3; ++axis)
+                        std::tie(level[box].low[axis][k], level[box].high[axis][k]) = bounds(box * fan + k, axis);
+            },
+            grain);
         below = level.size() > 1 ? level.size() : 0;
         levels_.push_back(std::move(level));
     }
     for (const auto& level : levels_)
         level_starts_.push_back(level.data());
+    if (size_ > 0)
+        spacing_ = diagonal() / std::sqrt(double(size_));
+}
+
+std::pair<double, double> BlockSearch::bounds(std::size_t i, int axis) const
+{
+    double low = infinity, high = -infinity;
+    if (levels_.empty())
+        for (std::size_t k = 0; k < fan && i * fan + k < size_; ++k)
+        {
+            low = std::min(low, leaves_[i].p[axis][k]);
+            high = std::max(high, leaves_[i].p[axis][k]);
+        }
+    else if (i < levels_.back().size())
+        for (std::size_t k = 0; k < fan; ++k)
+        {
+            low = std::min(low, levels_.back()[i].low[axis][k]);
+            high = std::max(high, levels_.back()[i].high[axis][k]);
+        }
+    return {low, high};
+}
+
+double BlockSearch::diagonal() const
+{
+    recon::Box all;
+    const Box& root = levels_.back().front();
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        all.minimum[axis] = *std::min_element(root.low[axis], root.low[axis] + fan);
+        all.maximum[axis] = *std::max_element(root.high[axis], root.high[axis] + fan);
+    }
+    return all.diagonal();
 }
 
 int BlockSearch::nearest(const Point& query, int k, int* indices, double* squared, double& reach) const

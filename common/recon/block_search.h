@@ -2,6 +2,8 @@
 
 #include <recon/geometry.h>
 
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace recon
@@ -16,7 +18,7 @@ class BlockSearch
 public:
     BlockSearch() = default; ///< Finds nothing.
     /// Copies the points.
-    explicit BlockSearch(const Points& points);
+    explicit BlockSearch(const Points& points, int threads = 1);
     BlockSearch(BlockSearch&&) noexcept = default;
     BlockSearch& operator=(BlockSearch&&) noexcept = default;
 
@@ -48,6 +50,10 @@ public:
     };
 
 private:
+    /// Of the i-th leaf, or box of the highest level so far.
+    std::pair<double, double> bounds(std::size_t i, int axis) const;
+    double diagonal() const; ///< \pre there are points
+
     std::size_t size_ = 0;
     double spacing_ = 0; ///< Some guess.
     std::vector<Leaf> leaves_;

@@ -164,7 +164,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     constexpr int seeds = 400;
     const std::size_t n = samples.size();
     const std::size_t stride = std::max<std::size_t>(1, n / seeds), count = (n - 1) / stride + 1;
-    const BlockSearch search(samples);
+    const BlockSearch search(samples, threads);
     std::vector<Place> places(count);
     const auto examine = [&](std::size_t k)
     { places[k] = examine_place(samples, search, samples[k * stride], k % 2 == 0); };

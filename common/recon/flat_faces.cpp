@@ -82,7 +82,7 @@ class FlatFaceFinder
 {
 public:
     FlatFaceFinder(const Points& samples, const FlatFaceOptions& options)
-        : samples_(samples), options_(options), search_(samples)
+        : samples_(samples), options_(options), search_(samples, options.threads)
     {
     }
 

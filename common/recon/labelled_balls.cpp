@@ -124,7 +124,7 @@ std::vector<std::array<int, 2>> pair_like_balls(const PolarBalls& polar, const s
             centres.push_back(polar.balls[b].centre);
         }
     const std::vector<int> sorted = sort_spatially(centres);
-    const BlockSearch search(points_at(sorted, centres));
+    const BlockSearch search(points_at(sorted, centres), threads);
     std::vector<char> has_like(large.size(), 0);
     constexpr std::size_t grain = 4096;
     parallel_chunks(large.size(), threads, grain, {},
@@ -230,7 +230,7 @@ PolesFound find_all_poles(const Points& samples, const Vectors& normals, int thr
     const Triangulation& delaunay = result.delaunay =
         triangulate_delaunay(samples, progress.part(0, 0.9, "Delaunay triangulation"), threads);
     const Points free_samples = without_corners(samples);
-    result.search = BlockSearch(free_samples);
+    result.search = BlockSearch(free_samples, threads);
     result.spacing = measure_spacing(free_samples, result.search, threads);
 
     times.begin("polar balls");

@@ -120,7 +120,7 @@ private:
 NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads, const Progress& progress)
 {
     constexpr std::size_t grain = 4096;
-    const BlockSearch search(samples);
+    const BlockSearch search(samples, threads);
     NearestSamples result{std::vector<int>(points.size()), std::vector<double>(points.size())};
     parallel_chunks(points.size(), threads, grain, progress,
                     [&](std::size_t begin, std::size_t end)

@@ -290,18 +290,18 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     const UnitFrame frame(points);
     progress.report(0);
 
-    const SpatialOrder spatial = order_spatially(points);
+    const SpatialOrder spatial = order_spatially(points, threads);
     const int n = int(spatial.order.size());
     Points unit(n);
-    for (int i = 0; i < n; ++i)
-        unit[i] = frame.to_unit(points[spatial.order[i]]);
+    parallel_for(
+        std::size_t(n), threads, {}, [&](std::size_t i) { unit[i] = frame.to_unit(points[spatial.order[i]]); }, 8192);
 
     const int wanted = options.seeds > 0 ? options.seeds : std::clamp(n / 25, 1000, 3000);
     const int m = std::min(n, wanted);
     Points seeds(m);
     for (int i = 0; i < m; ++i)
         seeds[i] = unit[std::size_t((i + 0.5) * n / m)];
-    const CloudPyramid pyramid(std::move(unit));
+    const CloudPyramid pyramid(std::move(unit), threads);
     std::vector<LocalNoise> raw;
     double left = 1; // of the progress
     for (int most = largest_count;; most *= 4, left /= 2)

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace recon
 {
@@ -30,6 +31,23 @@ void parallel_for(std::size_t n, int threads, const Progress& progress, Body&& b
                         for (std::size_t i = begin; i < end; ++i)
                             body(i);
                     });
+}
+
+/// What body(begin, end, found) appends to `found`, in the order of the chunks of [0, n).
+template <class Item, class Body>
+std::vector<Item> collect_chunks(std::size_t n, int threads, std::size_t grain, Body&& body)
+{
+    std::vector<std::vector<Item>> parts((n + grain - 1) / grain);
+    parallel_chunks(n, threads, grain, {},
+                    [&](std::size_t begin, std::size_t end) { body(begin, end, parts[begin / grain]); });
+    std::size_t size = 0;
+    for (const auto& part : parts)
+        size += part.size();
+    std::vector<Item> all;
+    all.reserve(size);
+    for (const auto& part : parts)
+        all.insert(all.end(), part.begin(), part.end());
+    return all;
 }
 
 /// Part of [0, n).

@@ -35,7 +35,7 @@ LocalNoise correct_for_ball(double residual, int count, double radius)
 
 } // namespace
 
-CloudPyramid::CloudPyramid(Points points)
+CloudPyramid::CloudPyramid(Points points, int threads)
 {
     levels.push_back(std::move(points));
     while (levels.back().size() > step * coarsest && levels.size() < 6)
@@ -47,7 +47,7 @@ CloudPyramid::CloudPyramid(Points points)
         levels.push_back(std::move(coarser));
     }
     for (const Points& level : levels)
-        searches.emplace_back(level);
+        searches.emplace_back(level, threads);
 }
 
 ScaleLadder::ScaleLadder(const CloudPyramid& pyramid, int most) : pyramid_(pyramid)

@@ -29,7 +29,7 @@ struct CloudPyramid
     std::vector<Points> levels;
     std::vector<BlockSearch> searches;
 
-    explicit CloudPyramid(Points points);
+    CloudPyramid(Points points, int threads);
 };
 
 /// Neighbourhoods of one place at growing scales, until one is a piece of surface rather than the inside of the noise.

@@ -1,6 +1,7 @@
 #include <recon/spatial_order.h>
 
 #include <recon/block_search.h>
+#include <recon/parallel.h>
 
 #include <algorithm>
 #include <array>
@@ -86,14 +87,27 @@ void sort_by_coordinates(const Points& points, Entries::iterator begin, Entries:
 
 /// Sorts along a curve through the bounding box of these points. A crowd in one cell of it gets a curve of its own: one
 /// stray point far away can put all others into a few cells.
-void sort_along_curve(const Points& points, Entries::iterator begin, Entries::iterator end)
+void sort_along_curve(const Points& points, Entries::iterator begin, Entries::iterator end, int threads)
 {
     constexpr std::ptrdiff_t crowd = 64;
-    Box box{points[begin->index], points[begin->index]};
-    for (auto e = begin; e != end; ++e)
+    constexpr std::size_t grain = 8192;
+    const std::size_t n = std::size_t(end - begin);
+    const Box start{points[begin->index], points[begin->index]};
+    std::vector<Box> boxes((n + grain - 1) / grain, start);
+    parallel_for(
+        n, threads, {},
+        [&](std::size_t i)
+        {
+            Box& box = boxes[i / grain];
+            box.minimum = box.minimum.cwiseMin(points[begin[std::ptrdiff_t(i)].index]);
+            box.maximum = box.maximum.cwiseMax(points[begin[std::ptrdiff_t(i)].index]);
+        },
+        grain);
+    Box box = start;
+    for (const Box& part : boxes)
     {
-        box.minimum = box.minimum.cwiseMin(points[e->index]);
-        box.maximum = box.maximum.cwiseMax(points[e->index]);
+        box.minimum = box.minimum.cwiseMin(part.minimum);
+        box.maximum = box.maximum.cwiseMax(part.maximum);
     }
     const double diagonal = box.diagonal();
     if (diagonal < 1e-290) // all but equal
@@ -102,12 +116,16 @@ void sort_along_curve(const Points& points, Entries::iterator begin, Entries::it
         return;
     }
     const double cells = 2097151 / diagonal;
-    for (auto e = begin; e != end; ++e)
-    {
-        const Vector v = (points[e->index] - box.minimum) * cells;
-        e->key = spread_bits(std::uint64_t(v.x())) | spread_bits(std::uint64_t(v.y())) << 1 |
-                 spread_bits(std::uint64_t(v.z())) << 2;
-    }
+    parallel_for(
+        n, threads, {},
+        [&](std::size_t i)
+        {
+            Entry& e = begin[std::ptrdiff_t(i)];
+            const Vector v = (points[e.index] - box.minimum) * cells;
+            e.key = spread_bits(std::uint64_t(v.x())) | spread_bits(std::uint64_t(v.y())) << 1 |
+                    spread_bits(std::uint64_t(v.z())) << 2;
+        },
+        grain);
     sort_by_key(begin, end);
     for (auto first = begin; first != end;)
     {
@@ -115,7 +133,7 @@ void sort_along_curve(const Points& points, Entries::iterator begin, Entries::it
         while (last != end && last->key == first->key)
             ++last;
         if (last - first > crowd)
-            sort_along_curve(points, first, last);
+            sort_along_curve(points, first, last, threads);
         else if (last - first > 1)
             sort_by_coordinates(points, first, last);
         first = last;
@@ -153,13 +171,13 @@ std::vector<int> find_spots(const Points& sorted, const std::vector<int>& crowde
 
 } // namespace
 
-SpatialOrder order_spatially(const Points& points)
+SpatialOrder order_spatially(const Points& points, int threads)
 {
     Entries entries(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
         entries[i] = {0, int(i)};
     if (!entries.empty())
-        sort_along_curve(points, entries.begin(), entries.end());
+        sort_along_curve(points, entries.begin(), entries.end(), threads);
     SpatialOrder result;
     result.order.reserve(points.size());
     result.representative.resize(points.size());
@@ -172,9 +190,9 @@ SpatialOrder order_spatially(const Points& points)
     return result;
 }
 
-SpatialOrder order_input(const Points& points)
+SpatialOrder order_input(const Points& points, int threads)
 {
-    SpatialOrder result = order_spatially(points);
+    SpatialOrder result = order_spatially(points, threads);
     const Points sorted = points_at(result.order, points);
     const double spot = spot_size * (sorted.empty() ? 0 : bounding_box(sorted).diagonal());
     const std::vector<int> crowded = list_crowded(sorted, spot);

@@ -16,13 +16,13 @@ struct SpatialOrder
     std::vector<int> order;          ///< Input index of each distinct point.
     std::vector<int> representative; ///< Per input point: its position in `order`, equal points share one.
 };
-SpatialOrder order_spatially(const Points& points);
+SpatialOrder order_spatially(const Points& points, int threads = 1);
 
 /// The same for points as they came in: those within a millionth of the cloud's extent of each other, with nothing else
 /// within a hundred times that, count as equal, unless they are a twentieth of all or more than a thousand. The
 /// meridians of a parametrised sphere end in a hundred points some 1e-16 or 1e-8 apart, and spacings measured there
 /// would outweigh all others.
-SpatialOrder order_input(const Points& points);
+SpatialOrder order_input(const Points& points, int threads = 1);
 
 /// The order that order_input() gives the points without some of them, so that nothing tells the rest from a cloud that
 /// never had these. \param left_out positions in `order`, ascending. \param order of `points`.

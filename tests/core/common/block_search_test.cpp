@@ -152,3 +152,18 @@ TEST(BlockSearch, FindsAllWithinAnEndlessRadius)
     BlockSearch(points).within(Point::Zero(), 1e300, within);
     EXPECT_EQ(within.size(), points.size());
 }
+
+// Large enough for several threads on three levels.
+TEST(BlockSearch, IsBuiltTheSameByManyThreads)
+{
+    const Points points = in_spatial_order(shapes::sphere(150'000, 1, 3).points);
+    const BlockSearch by_one(points), by_many(points, 3);
+    for (std::size_t i = 0; i < points.size(); i += 151)
+    {
+        std::vector<int> one, many;
+        by_one.within(points[i], 0.02, one);
+        by_many.within(points[i], 0.02, many);
+        ASSERT_GT(one.size(), 5u);
+        ASSERT_EQ(one, many);
+    }
+}

@@ -24,6 +24,24 @@ TEST(ParallelFor, VisitsEveryItemOnceWithAnyNumberOfThreads)
     parallel_for(0, 2, {}, [](std::size_t) { FAIL(); });
 }
 
+TEST(CollectChunks, ListsWhatIsFoundInTheOrderOfTheItems)
+{
+    for (const int threads : {1, 3})
+    {
+        const std::vector<int> thirds =
+            collect_chunks<int>(1000, threads, 7,
+                                [](std::size_t begin, std::size_t end, std::vector<int>& found)
+                                {
+                                    for (std::size_t i = begin; i < end; ++i)
+                                        if (i % 3 == 0)
+                                            found.push_back(int(i));
+                                });
+        ASSERT_EQ(thirds.size(), 334u);
+        for (std::size_t k = 0; k < thirds.size(); ++k)
+            EXPECT_EQ(thirds[k], int(3 * k));
+    }
+}
+
 TEST(ResolveThreads, GivesAtLeastOneAndNotMoreThanAMachineCanStart)
 {
     EXPECT_GE(resolve_threads(0), 1);

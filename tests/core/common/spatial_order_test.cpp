@@ -90,3 +90,14 @@ TEST(OrderInput, KeepsSmallObjectsAndDenseParts)
     EXPECT_GT(order_input(points).order.size(), points.size() - 40);
     EXPECT_TRUE(order_input({}).order.empty());
 }
+
+TEST(OrderInput, IsTheSameByManyThreads)
+{
+    Points points = shapes::sphere(50'000, 1, 1).points;
+    points.insert(points.end(), points.begin(), points.begin() + 1000);
+    points.emplace_back(1e9, 0, 0); // all others in one cell of the curve
+    const SpatialOrder by_one = order_input(points, 1), by_many = order_input(points, 3);
+    EXPECT_EQ(by_one.order.size(), 50'001u);
+    EXPECT_EQ(by_one.order, by_many.order);
+    EXPECT_EQ(by_one.representative, by_many.representative);
+}
