@@ -233,13 +233,13 @@ private:
     GatheredAnchors around_run_, around_point_;
 };
 
-/// Whether the result is that of the options' defaults.
-bool are_defaults(const AmlsProjectionOptions& options)
+/// Whether the surface's points have been projected with these options.
+bool are_at_hand(const AmlsSurface::Data& data, const AmlsProjectionOptions& options)
 {
     const AmlsProjectionOptions defaults;
-    return options.max_iterations == defaults.max_iterations && options.tolerance == defaults.tolerance &&
-           options.cut_off == defaults.cut_off && options.foreign_points == defaults.foreign_points &&
-           options.sharp == defaults.sharp;
+    return !data.projected.points.empty() && options.max_iterations == defaults.max_iterations &&
+           options.tolerance == defaults.tolerance && options.cut_off == defaults.cut_off &&
+           options.foreign_points == defaults.foreign_points && options.sharp == data.sharp;
 }
 
 void resize(AmlsProjection& p, std::size_t size)
@@ -327,7 +327,7 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
     const std::vector<int>& cell = own ? data.cells.cell_of_point : nearest_cell;
     progress.report(0);
     AmlsProjection projected;
-    const bool at_hand = own && !data.projected.points.empty() && are_defaults(options);
+    const bool at_hand = own && are_at_hand(data, options);
     if (!at_hand)
     {
         projected = project_in_frame(data, unit, cell, options, threads, progress.part(0.2, 0.9, "Projection"));

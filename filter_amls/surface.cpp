@@ -309,7 +309,9 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     if (robust_scale < picky_scale)
     {
         times.begin("residuals");
-        data->projected = project_in_frame(*data, data->points, cells.cell_of_point, {}, threads,
+        AmlsProjectionOptions projection;
+        projection.sharp = data->sharp = options.sharp;
+        data->projected = project_in_frame(*data, data->points, cells.cell_of_point, projection, threads,
                                            progress.part(0.95, 1, "Residuals"));
         data->residuals = measure_residuals_in_passes(*data, data->projected, threads);
     }

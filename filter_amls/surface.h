@@ -19,6 +19,9 @@ struct AmlsOptions
     /// Outside of an open level sheet is above it. Else it is where big balls say, so that fewer samples contradict a
     /// crust, which has to close the sheet. A ground faces what stands on it either way, see find_ground().
     bool terrain_faces_up = true;
+    /// Of the projection of the points that tells the residuals, see AmlsProjectionOptions: one like it takes no time
+    /// afterwards.
+    bool sharp = true;
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 

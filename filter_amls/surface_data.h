@@ -35,7 +35,8 @@ struct AmlsSurface::Data
     Points poles;                       ///< Of the landmarks.
     BlockSearch pole_search;
     std::vector<ResidualField> residuals; ///< One after the other; none if they tell nothing.
-    AmlsProjection projected;             ///< The points, by default options; empty if residuals were not asked.
+    bool sharp = true;                    ///< See AmlsOptions.
+    AmlsProjection projected;             ///< The points, else by default options; empty if residuals were not asked.
     std::shared_ptr<CrustOfPoints> crust; ///< Of `points`.
     AmlsSurfaceReport report;
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <vector>
 
 using namespace recon;
 
@@ -124,6 +125,24 @@ TEST(AmlsProjection, SharpErrsLessAtCreasesAndAsMuchElsewhere)
     EXPECT_NEAR(share_left_by_sharp(shapes::with_noisy_copies(shapes::torus(3000, 1, 0.4, 53).points, 0.02, 4, 54),
                                     [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); }),
                 1, 0.01);
+}
+
+TEST(AmlsProjection, KeptFromTheResidualsIsWhatIsFoundAnew)
+{
+    const Points noisy = shapes::with_noisy_copies(shapes::box(3000, Vector(1, 0.18, 0.5), 45).points, 0.02, 4, 46);
+    std::vector<Points> found;
+    for (const bool sharp : {true, false})
+    {
+        AmlsOptions options;
+        options.sharp = sharp;
+        const AmlsSurface surface = build_amls_surface(noisy, options);
+        AmlsProjectionOptions projection;
+        projection.sharp = sharp;
+        found.push_back(project_to_amls(noisy, surface, projection).points);
+        projection.tolerance = std::nextafter(projection.tolerance, 1); // none like that is kept
+        EXPECT_EQ(project_to_amls(noisy, surface, projection).points, found.back()) << sharp;
+    }
+    EXPECT_NE(found.front(), found.back());
 }
 
 TEST(AmlsProjection, FacesTheRightWayAtRims)
