@@ -126,7 +126,6 @@ struct GroundedCloud
 std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vectors& normals,
                            const GroundedCloud* grounded, int threads)
 {
-    constexpr std::size_t grain = 8192;
     const Triangulation& t = balls.delaunay;
     const int outside = t.finite_cells;
     const auto tie = [&](int a, int b, double weight, bool opposite, std::vector<Tie>& ties)
@@ -160,16 +159,16 @@ std::vector<Tie> list_ties(const Balls& balls, const Points& points, const Vecto
             std::min(balls.big[a], balls.big[b]);
         tie(a, b, weight, true, ties);
     };
-    return collect_chunks<Tie>(std::size_t(t.finite_cells) + points.size(), threads, grain,
-                               [&](std::size_t begin, std::size_t end, std::vector<Tie>& ties)
-                               {
-                                   ties.reserve(2 * grain);
-                                   for (int i = int(begin); i < int(end); ++i)
-                                       if (i < t.finite_cells)
-                                           tie_neighbours(i, ties);
-                                       else
-                                           tie_opposites(i - t.finite_cells, ties);
-                               });
+    return parallel_collect<Tie>(
+        std::size_t(t.finite_cells) + points.size(), threads, {},
+        [&](std::size_t i, std::vector<Tie>& ties)
+        {
+            if (int(i) < t.finite_cells)
+                tie_neighbours(int(i), ties);
+            else
+                tie_opposites(int(i) - t.finite_cells, ties);
+        },
+        8192);
 }
 
 /// Flips normals that the 12 points around them contradict more than their own balls confirm, beginning where

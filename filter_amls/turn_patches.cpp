@@ -38,25 +38,20 @@ void sort_out_twins(std::vector<Edge>& edges)
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
-constexpr std::size_t grain = 8192; // cells
-
-/// Edges of cells [begin, end) between points that are near each other, each as often as it has tetrahedra.
+/// Edges of a cell between points that are near each other.
 template <class Visit>
-void visit_near_edges(const Triangulation& t, std::size_t begin, std::size_t end, const Points& points,
+void visit_near_edges(const Triangulation& t, std::size_t cell, const Points& points,
                       const std::vector<double>& spacing, const Visit& visit)
 {
-    for (std::size_t c = begin; c < end; ++c)
-    {
-        const auto& v = t.cells[c].vertices;
-        for (int i = 0; i < 4; ++i)
-            for (int j = i + 1; j < 4; ++j)
-            {
-                const int a = std::min(v[i], v[j]), b = std::max(v[i], v[j]);
-                const double reach = near_by / 2;
-                if (b < int(points.size()) && (points[b] - points[a]).norm() < reach * (spacing[a] + spacing[b]))
-                    visit(Edge{a, b});
-            }
-    }
+    const auto& v = t.cells[cell].vertices;
+    for (int i = 0; i < 4; ++i)
+        for (int j = i + 1; j < 4; ++j)
+        {
+            const int a = std::min(v[i], v[j]), b = std::max(v[i], v[j]);
+            const double reach = near_by / 2;
+            if (b < int(points.size()) && (points[b] - points[a]).norm() < reach * (spacing[a] + spacing[b]))
+                visit(Edge{a, b});
+        }
 }
 
 bool lie_in_one_plane(const Edge& edge, const Points& points, const Vectors& normals)
@@ -81,6 +76,7 @@ Patches find_patches(const Triangulation& t, const Points& points, const std::ve
                      const Vectors& normals, int threads)
 {
     const std::size_t cells = std::size_t(t.finite_cells);
+    constexpr std::size_t grain = 8192;
     DisjointSets sets(points.size());
     const auto agree = [&](const Edge& edge) { return normals[edge[0]].dot(normals[edge[1]]) > 0; };
     const auto join = [&](const Edge& edge)
@@ -88,9 +84,8 @@ Patches find_patches(const Triangulation& t, const Points& points, const std::ve
         if (agree(edge) && lie_in_one_plane(edge, points, normals))
             sets.join(edge[0], edge[1]);
     };
-    parallel_chunks(cells, threads, grain, {},
-                    [&](std::size_t begin, std::size_t end)
-                    { visit_near_edges(t, begin, end, points, spacing, join); });
+    parallel_for(
+        cells, threads, {}, [&](std::size_t c) { visit_near_edges(t, c, points, spacing, join); }, grain);
     std::vector<int> size(points.size(), 0), number(points.size(), -1);
     for (int v = 0; v < int(points.size()); ++v)
         ++size[sets.find(v)];
@@ -108,16 +103,18 @@ Patches find_patches(const Triangulation& t, const Points& points, const std::ve
     }
     if (patches.size.size() < 2)
         return patches;
-    const auto add_bounds = [&](std::size_t begin, std::size_t end, std::vector<Edge>& found)
-    {
-        visit_near_edges(t, begin, end, points, spacing,
-                         [&](const Edge& edge)
-                         {
-                             if (sets.find(edge[0]) != sets.find(edge[1]))
-                                 found.push_back(edge);
-                         });
-    };
-    std::vector<Edge> bounds = collect_chunks<Edge>(cells, threads, grain, add_bounds);
+    std::vector<Edge> bounds = parallel_collect<Edge>(
+        cells, threads, {},
+        [&](std::size_t c, std::vector<Edge>& found)
+        {
+            visit_near_edges(t, c, points, spacing,
+                             [&](const Edge& edge)
+                             {
+                                 if (sets.find(edge[0]) != sets.find(edge[1]))
+                                     found.push_back(edge);
+                             });
+        },
+        grain);
     sort_out_twins(bounds);
     patches.leaving.assign(patches.size.size(), 0);
     for (const Edge& edge : bounds)

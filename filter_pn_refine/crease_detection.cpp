@@ -59,24 +59,20 @@ private:
     std::vector<Pair> near_pairs() const
     {
         constexpr int near = 16;
-        constexpr std::size_t chunk = 1024;
-        std::vector<std::vector<Pair>> found(points_.size() / chunk + 1);
-        parallel_chunks(
-            points_.size(), threads_, chunk, {},
-            [&](std::size_t begin, std::size_t end)
+        std::vector<Pair> pairs = parallel_collect<Pair>(
+            points_.size(), threads_, {},
+            [&](std::size_t point, std::vector<Pair>& found)
             {
-                for (auto i = int(begin); i < int(end); ++i)
-                    for (int m = 0; m < std::min(near, usable_.nearest.count); ++m)
-                    {
-                        const int j = usable_.nearest.of(std::size_t(i))[m];
-                        if (i < j && faces_.differ(i, j) && faces_.point(i) != faces_.point(j) &&
-                            !usable_.is_crease[std::size_t(i)] && !usable_.is_crease[std::size_t(j)])
-                            found[begin / chunk].push_back({i, j, (faces_.point(i) - faces_.point(j)).norm()});
-                    }
-            });
-        std::vector<Pair> pairs;
-        for (const std::vector<Pair>& part : found)
-            pairs.insert(pairs.end(), part.begin(), part.end());
+                const int i = int(point);
+                for (int m = 0; m < std::min(near, usable_.nearest.count); ++m)
+                {
+                    const int j = usable_.nearest.of(point)[m];
+                    if (i < j && faces_.differ(i, j) && faces_.point(i) != faces_.point(j) &&
+                        !usable_.is_crease[point] && !usable_.is_crease[std::size_t(j)])
+                        found.push_back({i, j, (faces_.point(i) - faces_.point(j)).norm()});
+                }
+            },
+            1024);
         std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.length < b.length; });
         return pairs;
     }

@@ -178,10 +178,9 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
     const std::size_t n = samples.points.size();
     if (usable.nearest.count < around)
         return {};
-    std::vector<std::vector<ProposedSample>> found(n);
-    parallel_for(
+    std::vector<ProposedSample> found = parallel_collect<ProposedSample>(
         n, threads, progress,
-        [&](std::size_t i)
+        [&](std::size_t i, std::vector<ProposedSample>& proposed)
         {
             const Vector& normal = samples.normals[i];
             const int* const near = usable.nearest.of(i);
@@ -214,14 +213,11 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
                 if (std::any_of(near, near + around, goes_on))
                     continue;
                 const std::vector<ProposedSample> passed = walk.go(along);
-                found[i].insert(found[i].end(), passed.begin(), passed.end());
+                proposed.insert(proposed.end(), passed.begin(), passed.end());
             }
         },
         64);
-    std::vector<ProposedSample> all;
-    for (const std::vector<ProposedSample>& f : found)
-        all.insert(all.end(), f.begin(), f.end());
-    return thin_out(std::move(all), room);
+    return thin_out(std::move(found), room);
 }
 
 } // namespace recon::pn

@@ -255,8 +255,6 @@ Level grow_level(const Level& level, const Growth& growth, const UnitFrame& fram
     Level next;
     next.points.resize(level.points.size() + std::size_t(growth.first[n]));
     resize_rows(next);
-    constexpr std::size_t grain = 64;
-    std::vector<std::vector<Leaf>> parts((n + grain - 1) / grain);
     const auto grow_leaf = [&](std::size_t i, std::vector<Leaf>& leaves)
     {
         const Leaf& leaf = level.leaves[i];
@@ -280,14 +278,7 @@ Level grow_level(const Level& level, const Growth& growth, const UnitFrame& fram
         for (std::size_t k = before; k < leaves.size(); ++k)
             write_rows(next, leaves[k]);
     };
-    parallel_chunks(n, threads, grain, progress,
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        for (std::size_t i = begin; i < end; ++i)
-                            grow_leaf(i, parts[begin / grain]);
-                    });
-    for (const std::vector<Leaf>& part : parts)
-        next.leaves.insert(next.leaves.end(), part.begin(), part.end());
+    next.leaves = parallel_collect<Leaf>(n, threads, progress, grow_leaf, 64);
     return next;
 }
 
@@ -314,24 +305,15 @@ LeafGraph connect_leaves(const Level& level, int threads, const Progress& progre
     const Pyramid pyramid(level.leaves);
     LeafGraph graph;
     std::vector<int> counts(n, 0);
-    constexpr std::size_t grain = 256;
-    std::vector<std::vector<int>> parts((n + grain - 1) / grain);
-    parallel_chunks(n, threads, grain, progress,
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        std::vector<int>& part = parts[begin / grain];
-                        for (std::size_t i = begin; i < end; ++i)
-                        {
-                            const std::size_t before = part.size();
-                            pyramid.meet(int(i), part);
-                            counts[i] = int(part.size() - before);
-                        }
-                    });
+    graph.neighbour = parallel_collect<int>(n, threads, progress,
+                                            [&](std::size_t i, std::vector<int>& met)
+                                            {
+                                                const std::size_t before = met.size();
+                                                pyramid.meet(int(i), met);
+                                                counts[i] = int(met.size() - before);
+                                            });
     graph.first.assign(n + 1, 0);
     std::partial_sum(counts.begin(), counts.end(), graph.first.begin() + 1);
-    graph.neighbour.reserve(std::size_t(graph.first[n]));
-    for (const std::vector<int>& part : parts)
-        graph.neighbour.insert(graph.neighbour.end(), part.begin(), part.end());
 
     graph.colour.assign(n, -1);
     std::vector<int> taken; // per colour the last leaf that saw it beside itself

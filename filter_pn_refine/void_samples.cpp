@@ -166,13 +166,10 @@ AddedSamples sample_voids(const UsableSamples& usable, const InitialFans& fans, 
                           int threads, const Progress& progress)
 {
     const VoidFinder finder(usable, fans, spacing, slack, mouths, may_start);
-    std::vector<std::vector<ProposedSample>> found(usable.samples.points.size());
-    parallel_for(
-        found.size(), threads, progress, [&](std::size_t i) { finder.look_around(i, found[i]); }, 64);
-    std::vector<ProposedSample> all;
-    for (const std::vector<ProposedSample>& f : found)
-        all.insert(all.end(), f.begin(), f.end());
-    return thin_out(leave_out_slits(std::move(all)), room);
+    std::vector<ProposedSample> found = parallel_collect<ProposedSample>(
+        usable.samples.points.size(), threads, progress,
+        [&](std::size_t i, std::vector<ProposedSample>& proposed) { finder.look_around(i, proposed); }, 64);
+    return thin_out(leave_out_slits(std::move(found)), room);
 }
 
 } // namespace recon::pn

@@ -73,21 +73,16 @@ void append(std::vector<Item>& whole, const std::vector<Item>& part)
 /// touch both sides of a body, so that neighbours on the surface would lie far apart in memory.
 std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
-    std::vector<std::vector<int>> chunks(chunk_count(std::size_t(regular.finite_cells)));
-    parallel_chunks(std::size_t(regular.finite_cells), threads, grain, {},
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        for (std::size_t c = begin; c < end; ++c)
-                        {
-                            const auto& v = regular.cells[c].vertices;
-                            const Side side = labels[v[0]];
-                            if (labels[v[1]] != side || labels[v[2]] != side || labels[v[3]] != side)
-                                chunks[begin / grain].push_back(int(c));
-                        }
-                    });
-    std::vector<int> found;
-    for (const auto& chunk : chunks)
-        append(found, chunk);
+    const std::vector<int> found = parallel_collect<int>(
+        std::size_t(regular.finite_cells), threads, {},
+        [&](std::size_t c, std::vector<int>& mixed)
+        {
+            const auto& v = regular.cells[c].vertices;
+            const Side side = labels[v[0]];
+            if (labels[v[1]] != side || labels[v[2]] != side || labels[v[3]] != side)
+                mixed.push_back(int(c));
+        },
+        grain);
     constexpr int bits = 6, steps = 1 << bits;
     Eigen::AlignedBox3d box;
     for (const int c : found)

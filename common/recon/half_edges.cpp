@@ -53,33 +53,29 @@ HalfEdges pair_half_edges(const TriangleMesh& mesh, int threads)
         });
 
     result.twin.assign(triangles.size(), {-1, -1, -1, -1});
-    constexpr std::size_t grain = 8192;
-    std::vector<std::vector<int>> faulty((mesh.vertices.size() + grain - 1) / grain);
-    parallel_chunks(mesh.vertices.size(), threads, grain, {},
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        for (std::size_t v = begin; v < end; ++v)
-                            for (int i = first[v]; i < first[v + 1]; ++i)
-                            {
-                                const Side& own = at_lower[i];
-                                int along = 0, back = 0, twin = -1;
-                                for (int j = first[v]; j < first[v + 1]; ++j)
-                                {
-                                    const Side& other = at_lower[j];
-                                    if (other.upper != own.upper)
-                                        continue;
-                                    ++(other.rises == own.rises ? along : back);
-                                    if (other.rises != own.rises)
-                                        twin = other.half_edge;
-                                }
-                                result.twin[own.half_edge >> 2][own.half_edge & 3] = twin;
-                                if (along != 1 || back != 1 || own.upper == int(v) || degree[v] < 3 ||
-                                    degree[own.upper] < 3)
-                                    faulty[begin / grain].push_back(own.half_edge >> 2);
-                            }
-                    });
-    for (const auto& chunk : faulty)
-        result.faulty.insert(result.faulty.end(), chunk.begin(), chunk.end());
+    result.faulty = parallel_collect<int>(
+        mesh.vertices.size(), threads, {},
+        [&](std::size_t v, std::vector<int>& faulty)
+        {
+            for (int i = first[v]; i < first[v + 1]; ++i)
+            {
+                const Side& own = at_lower[i];
+                int along = 0, back = 0, twin = -1;
+                for (int j = first[v]; j < first[v + 1]; ++j)
+                {
+                    const Side& other = at_lower[j];
+                    if (other.upper != own.upper)
+                        continue;
+                    ++(other.rises == own.rises ? along : back);
+                    if (other.rises != own.rises)
+                        twin = other.half_edge;
+                }
+                result.twin[own.half_edge >> 2][own.half_edge & 3] = twin;
+                if (along != 1 || back != 1 || own.upper == int(v) || degree[v] < 3 || degree[own.upper] < 3)
+                    faulty.push_back(own.half_edge >> 2);
+            }
+        },
+        8192);
     return result;
 }
 

@@ -33,13 +33,18 @@ void parallel_for(std::size_t n, int threads, const Progress& progress, Body&& b
                     });
 }
 
-/// What body(begin, end, found) appends to `found`, in the order of the chunks of [0, n).
+/// What body(i, found) appends to `found` for every i in [0, n), in their order.
 template <class Item, class Body>
-std::vector<Item> collect_chunks(std::size_t n, int threads, std::size_t grain, Body&& body)
+std::vector<Item> parallel_collect(std::size_t n, int threads, const Progress& progress, Body&& body,
+                                   std::size_t grain = 256)
 {
     std::vector<std::vector<Item>> parts((n + grain - 1) / grain);
-    parallel_chunks(n, threads, grain, {},
-                    [&](std::size_t begin, std::size_t end) { body(begin, end, parts[begin / grain]); });
+    parallel_chunks(n, threads, grain, progress,
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        for (std::size_t i = begin; i < end; ++i)
+                            body(i, parts[begin / grain]);
+                    });
     std::size_t size = 0;
     for (const auto& part : parts)
         size += part.size();

@@ -24,18 +24,18 @@ TEST(ParallelFor, VisitsEveryItemOnceWithAnyNumberOfThreads)
     parallel_for(0, 2, {}, [](std::size_t) { FAIL(); });
 }
 
-TEST(CollectChunks, ListsWhatIsFoundInTheOrderOfTheItems)
+TEST(ParallelCollect, ListsWhatIsFoundInTheOrderOfTheItems)
 {
     for (const int threads : {1, 3})
     {
-        const std::vector<int> thirds =
-            collect_chunks<int>(1000, threads, 7,
-                                [](std::size_t begin, std::size_t end, std::vector<int>& found)
-                                {
-                                    for (std::size_t i = begin; i < end; ++i)
-                                        if (i % 3 == 0)
-                                            found.push_back(int(i));
-                                });
+        const std::vector<int> thirds = parallel_collect<int>(
+            1000, threads, {},
+            [](std::size_t i, std::vector<int>& found)
+            {
+                if (i % 3 == 0)
+                    found.push_back(int(i));
+            },
+            7);
         ASSERT_EQ(thirds.size(), 334u);
         for (std::size_t k = 0; k < thirds.size(); ++k)
             EXPECT_EQ(thirds[k], int(3 * k));
