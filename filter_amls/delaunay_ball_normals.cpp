@@ -181,6 +181,7 @@ void spread_normals(const Points& points, const std::vector<int>& own, int neare
 DelaunayBallNormals find_delaunay_ball_normals(const Points& input, const DelaunayBallOptions& options,
                                                const Progress& progress)
 {
+    const ThreadTeam team;
     check(options);
     const int threads = resolve_threads(options.threads);
     check_spans_volume(input);

@@ -66,6 +66,7 @@ std::optional<ExactCrust> find_exact_crust(const Points& points, const AmlsSurfa
 
 OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
 {
+    const ThreadTeam team;
     const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.5, "AMLS surface"));
     AmlsProjectionOptions projection;
     projection.threads = options.threads;

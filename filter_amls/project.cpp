@@ -287,6 +287,7 @@ AmlsProjection project_in_frame(const AmlsSurface::Data& data, const Points& uni
 AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface, const AmlsProjectionOptions& options,
                                const Progress& progress)
 {
+    const ThreadTeam team;
     if (options.max_iterations < 1)
         throw InvalidInput("The number of iterations must be at least 1.");
     if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))

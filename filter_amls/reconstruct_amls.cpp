@@ -205,6 +205,7 @@ WallSearch look_for_walls(const Points& points, const AmlsReconstructionOptions&
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
                                     const Progress& progress)
 {
+    const ThreadTeam team;
     AmlsReconstruction result;
     PhaseTimes times;
     Attempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));

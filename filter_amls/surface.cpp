@@ -258,6 +258,7 @@ OrientedSamples AmlsSurface::anchors() const
 AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options, const Progress& progress,
                                const Vectors& given_normals, const AmlsSurface* earlier)
 {
+    const ThreadTeam team;
     check_options(points, options, given_normals);
     const int threads = resolve_threads(options.threads);
     check_spans_volume(points);

@@ -331,6 +331,7 @@ void list_simplices(const Triangulation& regular, const std::vector<Side>& label
 
 PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& options, const Progress& progress)
 {
+    const ThreadTeam team;
     check(options);
     PowerShape shape;
     PhaseTimes times;

@@ -172,6 +172,7 @@ void report_topology(const NoisyPowerCrustOptions& options, NoisyPowerCrust& res
 NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options,
                                               const Progress& progress)
 {
+    const ThreadTeam team;
     check(options);
     NoisyPowerCrust result;
     PhaseTimes times;

@@ -342,6 +342,7 @@ private:
 PnRefinement refine_points(const OrientedSamples& samples, const PnRefineOptions& options, const PnRefineHints& hints,
                            const Progress& progress)
 {
+    const ThreadTeam team;
     check_options(samples, options, hints);
     return Refinement(samples, options, hints).run(samples, progress);
 }

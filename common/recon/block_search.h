@@ -17,7 +17,7 @@ class BlockSearch
 {
 public:
     BlockSearch() = default; ///< Finds nothing.
-    /// Copies the points.
+    /// Copies the points. \param threads to build with [count], >= 1.
     explicit BlockSearch(const Points& points, int threads = 1);
     BlockSearch(BlockSearch&&) noexcept = default;
     BlockSearch& operator=(BlockSearch&&) noexcept = default;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <system_error>
@@ -19,6 +20,105 @@ int resolve_threads(int threads)
         throw InvalidInput("The number of threads must be 0 (all cores) or more.");
     constexpr int most = 256; // every thread that is started costs time and memory, work or not
     return std::clamp(threads > 0 ? threads : int(std::thread::hardware_concurrency()), 1, most);
+}
+
+/// Its threads start when a loop first wants them.
+class ThreadTeam::Helpers
+{
+public:
+    ~Helpers()
+    {
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            ends_ = true;
+        }
+        wake_.notify_all();
+        for (std::thread& thread : threads_)
+            thread.join();
+    }
+
+    bool are_busy() const { return is_busy_; }
+
+    /// Runs own() here and job() on up to `count` helpers beside it, until own() and all jobs that have begun are done.
+    /// Neither may throw.
+    void run(std::size_t count, const std::function<void()>& job, const std::function<void()>& own)
+    {
+        start(count);
+        is_busy_ = true;
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            job_ = &job;
+            wanted_ = count;
+        }
+        if (count < threads_.size())
+            for (std::size_t i = 0; i < count; ++i)
+                wake_.notify_one();
+        else
+            wake_.notify_all();
+        own();
+        std::unique_lock<std::mutex> lock(mutex_);
+        wanted_ = 0; // there is nothing left for those that have not begun
+        done_.wait(lock, [&] { return running_ == 0; });
+        is_busy_ = false;
+    }
+
+private:
+    void start(std::size_t count)
+    {
+        try
+        {
+            while (threads_.size() < count)
+                threads_.emplace_back([this] { serve(); });
+        }
+        catch (const std::system_error&)
+        {
+            // The system gives no more threads: those that have started do the work.
+        }
+    }
+
+    void serve()
+    {
+        std::unique_lock<std::mutex> lock(mutex_);
+        while (true)
+        {
+            wake_.wait(lock, [&] { return ends_ || wanted_ > 0; });
+            if (ends_)
+                return;
+            --wanted_;
+            ++running_;
+            const std::function<void()>& job = *job_;
+            lock.unlock();
+            job();
+            lock.lock();
+            if (--running_ == 0)
+                done_.notify_one();
+        }
+    }
+
+    std::mutex mutex_; // of what follows, down to ends_
+    std::condition_variable wake_, done_;
+    const std::function<void()>* job_ = nullptr;
+    std::size_t wanted_ = 0, running_ = 0; // helpers
+    bool ends_ = false;
+    bool is_busy_ = false; // known to the owner's thread only
+    std::vector<std::thread> threads_;
+};
+
+thread_local ThreadTeam::Helpers* ThreadTeam::current_ = nullptr;
+
+ThreadTeam::ThreadTeam()
+{
+    if (!current_)
+    {
+        helpers_ = std::make_unique<Helpers>();
+        current_ = helpers_.get();
+    }
+}
+
+ThreadTeam::~ThreadTeam()
+{
+    if (helpers_)
+        current_ = nullptr;
 }
 
 void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progress& progress,
@@ -58,20 +158,16 @@ void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progre
     };
 
     const std::size_t helpers = std::min<std::size_t>(std::max(threads, 1) - 1, chunks > 0 ? chunks - 1 : 0);
-    std::vector<std::thread> pool;
-    pool.reserve(helpers);
-    try
+    if (helpers == 0)
+        work(true);
+    else
     {
-        for (std::size_t i = 0; i < helpers; ++i)
-            pool.emplace_back(work, false);
+        // A loop within a loop has helpers of its own.
+        ThreadTeam::Helpers own_helpers, *const team = ThreadTeam::current_;
+        (team && !team->are_busy() ? *team : own_helpers)
+            .run(
+                helpers, [&] { work(false); }, [&] { work(true); });
     }
-    catch (const std::system_error&)
-    {
-        // The system gives no more threads: those that have started do the work.
-    }
-    work(true);
-    for (std::thread& thread : pool)
-        thread.join();
     if (failure)
         std::rethrow_exception(failure);
     if (chunks > 0)

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace recon
@@ -12,6 +13,25 @@ namespace recon
 /// Number of threads to use for the option `threads`: 0 = one per core; 256 at most.
 /// \throws InvalidInput below 0.
 int resolve_threads(int threads);
+
+/// While one lives, the loops that its thread runs share helpers, which sleep between loops: a reconstruction runs a
+/// hundred loops and more, and to start threads for each costs more than it saves where cores are many. Within
+/// another's life it does nothing.
+class ThreadTeam
+{
+public:
+    ThreadTeam();
+    ~ThreadTeam(); ///< Ends the helpers.
+    ThreadTeam(const ThreadTeam&) = delete;
+    ThreadTeam& operator=(const ThreadTeam&) = delete;
+
+private:
+    class Helpers;
+    friend void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progress& progress,
+                                const std::function<void(std::size_t begin, std::size_t end)>& body);
+    static thread_local Helpers* current_;
+    std::unique_ptr<Helpers> helpers_; ///< None within another's life.
+};
 
 /// Calls body(begin, end) for consecutive chunks of [0, n) of `grain` items (the last may be shorter), on up to
 /// `threads` threads, the caller's among them. Chunks do not depend on the number of threads, so a body that writes

@@ -10,7 +10,7 @@ namespace recon
 /// Indices of the distinct points, sorted along a Z-order curve through the bounding box; of equal points the first.
 /// Neighbours in space are mostly neighbours in memory then, every k-th one is an even sample of the cloud, and an
 /// algorithm that works in this order does not depend on the order of its input.
-/// \pre points are finite.
+/// \pre points are finite. \param threads [count], >= 1; the result does not depend on it.
 struct SpatialOrder
 {
     std::vector<int> order;          ///< Input index of each distinct point.

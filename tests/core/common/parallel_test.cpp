@@ -7,7 +7,9 @@
 #include <atomic>
 #include <chrono>
 #include <limits>
+#include <mutex>
 #include <numeric>
+#include <set>
 #include <thread>
 
 using namespace recon;
@@ -83,6 +85,57 @@ TEST(ParallelFor, ReportsOnTheCallersThreadAndStopsWhenAsked)
     };
     EXPECT_THROW(parallel_for(1'000'000, 2, progress, body, 1), Cancelled);
     EXPECT_EQ(calls, 3);
+}
+
+TEST(ThreadTeam, HelpsInAllLoopsOfItsLife)
+{
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto list_threads = [&](int loops)
+    {
+        std::mutex mutex;
+        std::set<std::thread::id> seen;
+        for (int loop = 0; loop < loops; ++loop)
+        {
+            std::atomic<int> begun{0};
+            const auto body = [&](std::size_t)
+            {
+                ++begun;
+                while (begun < 3 && std::chrono::steady_clock::now() < deadline) // until all three are at it
+                    std::this_thread::yield();
+                const std::lock_guard<std::mutex> lock(mutex);
+                seen.insert(std::this_thread::get_id());
+            };
+            parallel_for(3, 3, {}, body, 1);
+        }
+        return seen;
+    };
+    const ThreadTeam team;
+    {
+        const ThreadTeam within;
+        EXPECT_EQ(list_threads(1).size(), 3u);
+    }
+    EXPECT_EQ(list_threads(50).size(), 3u);
+}
+
+TEST(ThreadTeam, RunsLoopsWithinLoopsAndPassesOnFailures)
+{
+    const ThreadTeam team;
+    for (int round = 0; round < 20; ++round)
+    {
+        std::atomic<int> visits{0};
+        parallel_for(
+            6, 4, {},
+            [&](std::size_t)
+            {
+                parallel_for(
+                    100, 3, {}, [&](std::size_t) { ++visits; }, 10);
+            },
+            1);
+        EXPECT_EQ(visits, 600);
+        EXPECT_THROW(parallel_for(
+                         100, 3, {}, [](std::size_t) { throw InvalidInput("x"); }, 10),
+                     InvalidInput);
+    }
 }
 
 TEST(ParallelInvoke, RunsBothAndPassesOnFailures)
