@@ -253,7 +253,7 @@ std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& kee
 
 DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double spacing)
 {
-    constexpr double smallest_body = 0.01, fewest_samples = 0.02, smallest_share_of_triangles = 0.05;
+    constexpr double smallest_share_of_triangles = 0.05;
     // Least volume over area [spacings]: of any body, and of one sampled as densely as all, with that many triangles: a
     // board of which both sides were seen. Outliers make bodies of 0.5, nine times sparser; shells in scans have 0.25
     // to 0.4.
@@ -293,13 +293,11 @@ DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double sp
     keep_triangles(mesh, keep);
     for (int component = 0; component < components.count; ++component)
     {
-        const double share = volume[component] / volume[largest]; // of a hollow negative
-        const double samples = double(triangles[component]) / double(components.of_triangle.size());
-        if (is_kept(component) || !(share >= smallest_body || (share > 0 && samples >= fewest_samples)))
+        if (is_kept(component) || volume[component] <= 0) // hollows are no bodies
             continue;
         ++dropped.count;
-        dropped.volume += share;
-        dropped.samples += samples;
+        dropped.volume += volume[component] / volume[largest];
+        dropped.samples += double(triangles[component]) / double(components.of_triangle.size());
     }
     return dropped;
 }

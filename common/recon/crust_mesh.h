@@ -52,8 +52,7 @@ enum class KeepComponents
               ///< Hollows count as bodies, but must be full.
 };
 
-/// Bodies that were left out and enclose a hundredth of the volume of the largest, or more, or hold a fiftieth of the
-/// samples; hollows do not count.
+/// Bodies that were left out; hollows do not count.
 struct DroppedBodies
 {
     int count = 0;

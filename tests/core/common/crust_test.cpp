@@ -345,8 +345,8 @@ TEST(DropComponents, AutomaticKeepsWhatHoldsATwentiethOfTheTriangles)
     }
 }
 
-// A small body that many points lie on is missed, a stray shell is not.
-TEST(DropComponents, CountsWhatHoldsAFiftiethOfTheTriangles)
+// Small bodies that many points lie on are missed, a stray shell is not.
+TEST(DropComponents, IsWorthAWordWhereBodiesHoldAFiftiethOfTheTriangles)
 {
     const std::vector<std::array<int, 3>> faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     const auto append_tetrahedra = [&](TriangleMesh& mesh, int count, double size, double x)
@@ -359,16 +359,21 @@ TEST(DropComponents, CountsWhatHoldsAFiftiethOfTheTriangles)
             for (const auto& f : faces)
                 mesh.triangles.push_back({f[0] + base, f[1] + base, f[2] + base});
     };
-    for (const auto& [inside, counted] : {std::pair{1, 0}, std::pair{3, 1}})
+    for (const auto& bodies : {std::vector{1}, std::vector{3}, std::vector{1, 1, 1}})
     {
         TriangleMesh mesh;
         append_tetrahedra(mesh, 100, 1, 0);
-        append_tetrahedra(mesh, inside, 0.1, 4);
+        int all = 0;
+        for (const int inside : bodies)
+        {
+            append_tetrahedra(mesh, inside, 0.1, 4 + all);
+            all += inside;
+        }
         const DroppedBodies dropped = drop_components(mesh, KeepComponents::automatic, 1);
         EXPECT_EQ(find_components(mesh).count, 1);
-        EXPECT_EQ(dropped.count, counted);
-        EXPECT_NEAR(dropped.samples, counted * 3.0 / 103, 1e-9);
-        EXPECT_EQ(describe(dropped).empty(), counted == 0);
+        EXPECT_EQ(dropped.count, int(bodies.size()));
+        EXPECT_NEAR(dropped.samples, all / (100.0 + all), 1e-9);
+        EXPECT_EQ(describe(dropped).empty(), all == 1);
     }
 }
 
