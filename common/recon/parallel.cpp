@@ -104,21 +104,25 @@ private:
     std::vector<std::thread> threads_;
 };
 
-thread_local ThreadTeam::Helpers* ThreadTeam::current_ = nullptr;
+namespace
+{
+/// Those of this thread's team, if one lives.
+thread_local ThreadTeam::Helpers* helpers_of_team = nullptr;
+} // namespace
 
 ThreadTeam::ThreadTeam()
 {
-    if (!current_)
+    if (!helpers_of_team)
     {
         helpers_ = std::make_unique<Helpers>();
-        current_ = helpers_.get();
+        helpers_of_team = helpers_.get();
     }
 }
 
 ThreadTeam::~ThreadTeam()
 {
     if (helpers_)
-        current_ = nullptr;
+        helpers_of_team = nullptr;
 }
 
 void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progress& progress,
@@ -163,7 +167,7 @@ void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progre
     else
     {
         // A loop within a loop has helpers of its own.
-        ThreadTeam::Helpers own_helpers, *const team = ThreadTeam::current_;
+        ThreadTeam::Helpers own_helpers, *const team = helpers_of_team;
         (team && !team->are_busy() ? *team : own_helpers)
             .run(
                 helpers, [&] { work(false); }, [&] { work(true); });

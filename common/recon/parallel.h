@@ -25,11 +25,9 @@ public:
     ThreadTeam(const ThreadTeam&) = delete;
     ThreadTeam& operator=(const ThreadTeam&) = delete;
 
-private:
     class Helpers;
-    friend void parallel_chunks(std::size_t n, int threads, std::size_t grain, const Progress& progress,
-                                const std::function<void(std::size_t begin, std::size_t end)>& body);
-    static thread_local Helpers* current_;
+
+private:
     std::unique_ptr<Helpers> helpers_; ///< None within another's life.
 };
 
