@@ -87,55 +87,97 @@ TEST(ParallelFor, ReportsOnTheCallersThreadAndStopsWhenAsked)
     EXPECT_EQ(calls, 3);
 }
 
+namespace
+{
+
+/// Unlike std::thread::id no thread ever has that of another that ended.
+int number_of_this_thread()
+{
+    static std::atomic<int> threads{0};
+    thread_local const int number = threads++;
+    return number;
+}
+
+std::chrono::steady_clock::time_point deadline()
+{
+    return std::chrono::steady_clock::now() + std::chrono::seconds(10);
+}
+
+template <class Condition>
+void wait_until(const Condition& holds)
+{
+    for (const auto end = deadline(); !holds() && std::chrono::steady_clock::now() < end;)
+        std::this_thread::yield();
+}
+
+} // namespace
+
 TEST(ThreadTeam, HelpsInAllLoopsOfItsLife)
 {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     const auto list_threads = [&](int loops)
     {
         std::mutex mutex;
-        std::set<std::thread::id> seen;
+        std::set<int> seen;
         for (int loop = 0; loop < loops; ++loop)
         {
             std::atomic<int> begun{0};
             const auto body = [&](std::size_t)
             {
                 ++begun;
-                while (begun < 3 && std::chrono::steady_clock::now() < deadline) // until all three are at it
-                    std::this_thread::yield();
+                wait_until([&] { return begun == 3; }); // all threads are at it
                 const std::lock_guard<std::mutex> lock(mutex);
-                seen.insert(std::this_thread::get_id());
+                seen.insert(number_of_this_thread());
             };
             parallel_for(3, 3, {}, body, 1);
         }
         return seen;
     };
+    EXPECT_EQ(list_threads(5).size(), 11u);
     const ThreadTeam team;
     {
         const ThreadTeam within;
-        EXPECT_EQ(list_threads(1).size(), 3u);
+        EXPECT_EQ(list_threads(5).size(), 3u);
     }
     EXPECT_EQ(list_threads(50).size(), 3u);
 }
 
-TEST(ThreadTeam, RunsLoopsWithinLoopsAndPassesOnFailures)
+// Most helpers come too late.
+TEST(ThreadTeam, VisitsEveryItemOfShortLoopsOnce)
 {
     const ThreadTeam team;
-    for (int round = 0; round < 20; ++round)
+    for (int loop = 0; loop < 3000; ++loop)
     {
         std::atomic<int> visits{0};
         parallel_for(
-            6, 4, {},
-            [&](std::size_t)
-            {
-                parallel_for(
-                    100, 3, {}, [&](std::size_t) { ++visits; }, 10);
-            },
-            1);
-        EXPECT_EQ(visits, 600);
-        EXPECT_THROW(parallel_for(
-                         100, 3, {}, [](std::size_t) { throw InvalidInput("x"); }, 10),
-                     InvalidInput);
+            4, 4, {}, [&](std::size_t) { ++visits; }, 1);
+        ASSERT_EQ(visits, 4);
     }
+    EXPECT_THROW(parallel_for(
+                     100, 3, {}, [](std::size_t) { throw InvalidInput("x"); }, 10),
+                 InvalidInput);
+}
+
+TEST(ThreadTeam, DoesNotHoldUpALoopWithinALoop)
+{
+    const int caller = number_of_this_thread();
+    const ThreadTeam team;
+    std::atomic<int> begun{0}, visits{0};
+    std::atomic<bool> is_within_done{false};
+    const auto body = [&](std::size_t)
+    {
+        ++begun;
+        wait_until([&] { return begun == 2; });
+        if (number_of_this_thread() == caller)
+        {
+            parallel_for(
+                100, 3, {}, [&](std::size_t) { ++visits; }, 10);
+            is_within_done = true;
+        }
+        wait_until([&] { return is_within_done.load(); });
+        EXPECT_TRUE(is_within_done);
+    };
+    parallel_for(2, 2, {}, body, 1);
+    EXPECT_EQ(visits, 100);
 }
 
 TEST(ParallelInvoke, RunsBothAndPassesOnFailures)
