@@ -186,7 +186,7 @@ DelaunayBallNormals find_delaunay_ball_normals(const Points& input, const Delaun
     const int threads = resolve_threads(options.threads);
     check_spans_volume(input);
     const UnitFrame frame(input);
-    const SpatialOrder spatial = order_input(input);
+    const SpatialOrder spatial = order_input(input, threads);
     Points points;
     for (int i : spatial.order)
         points.push_back(frame.to_unit(input[i]));

@@ -304,7 +304,7 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
 
     // Sorted, so that one query for anchors serves many points; equal points are computed once.
     const bool own = data.was_made_of(points);
-    const SpatialOrder other = own ? SpatialOrder{} : order_spatially(points);
+    const SpatialOrder other = own ? SpatialOrder{} : order_spatially(points, threads);
     const SpatialOrder& spatial = own ? data.spatial : other;
     const std::size_t m = spatial.order.size();
     Points moved;

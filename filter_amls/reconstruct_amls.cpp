@@ -125,7 +125,7 @@ Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& opti
     surface_options.rho_e = options.rho_e;
     surface_options.noise = noise;
     surface_options.threads = options.threads;
-    surface_options.terrain_faces_up = surface_options.sharp = false; // see there
+    surface_options.for_crust = true;
     AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"), {},
                                              earlier ? &earlier->surface : nullptr);
     BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));

@@ -1,10 +1,10 @@
 #include "sample_surface.h"
 
 #include "project.h"
+#include "surface_data.h"
 #include "thin.h"
 
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
 
 namespace recon
 {
@@ -31,7 +31,7 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
     const AmlsProjection projected = project_as_samples(points, surface, threads, progress.part(0, 0.8, "projection"));
     SurfaceSamples result;
     // In spatial order, so that the choice does not depend on the order of the input.
-    for (const int i : order_input(points, threads).order)
+    for (const int i : surface.data().spatial.order)
     {
         if (projected.status[i] == ProjectionStatus::outlier)
         {

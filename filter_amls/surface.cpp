@@ -292,7 +292,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
 
     times.begin("orientation");
     const Orientation orientation =
-        orient(*data, choice, given_normals, options.terrain_faces_up, threads, progress.part(0.35, 0.85));
+        orient(*data, choice, given_normals, !options.for_crust, threads, progress.part(0.35, 0.85));
 
     times.begin("fit");
     const AnchorStarts anchors = choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, threads);
@@ -311,7 +311,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     {
         times.begin("residuals");
         AmlsProjectionOptions projection;
-        projection.sharp = data->sharp = options.sharp;
+        projection.sharp = data->sharp = !options.for_crust;
         data->projected = project_in_frame(*data, data->points, cells.cell_of_point, projection, threads,
                                            progress.part(0.95, 1, "Residuals"));
         data->residuals = measure_residuals_in_passes(*data, data->projected, threads);

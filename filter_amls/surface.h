@@ -16,12 +16,11 @@ struct AmlsOptions
 {
     double rho_e = 0; ///< Gaussian width [local feature size], >= 0. 0 = automatic from noise, spacing and curvature.
     double noise = 0; ///< Standard deviation of the noise [length], >= 0. 0 = estimate, locally.
-    /// Outside of an open level sheet is above it. Else it is where big balls say, so that fewer samples contradict a
-    /// crust, which has to close the sheet. A ground faces what stands on it either way, see find_ground().
-    bool terrain_faces_up = true;
-    /// Of the projection of the points that tells the residuals, see AmlsProjectionOptions: one like it takes no time
-    /// afterwards.
-    bool sharp = true;
+    /// The points are to become samples of a crust. It has to close an open level sheet, so outside is where big balls
+    /// say, which fewer samples then contradict; else it is above such a sheet. A ground faces what stands on it either
+    /// way, see find_ground(). Residuals are told from the projection that samples take, without `sharp`; it is at hand
+    /// afterwards, as the sharp one is else.
+    bool for_crust = false;
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 

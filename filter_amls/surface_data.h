@@ -35,7 +35,7 @@ struct AmlsSurface::Data
     Points poles;                       ///< Of the landmarks.
     BlockSearch pole_search;
     std::vector<ResidualField> residuals; ///< One after the other; none if they tell nothing.
-    bool sharp = true;                    ///< See AmlsOptions.
+    bool sharp = true;                    ///< How `projected` was projected, see AmlsProjectionOptions.
     AmlsProjection projected;             ///< The points, else by default options; empty if residuals were not asked.
     std::shared_ptr<CrustOfPoints> crust; ///< Of `points`.
     AmlsSurfaceReport report;

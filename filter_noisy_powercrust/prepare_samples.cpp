@@ -37,7 +37,7 @@ const AmlsSurface& LatestSurface::find(const Points& sorted, const SamplePrepara
         AmlsOptions made;
         made.noise = options.noise;
         made.threads = options.threads;
-        made.terrain_faces_up = made.sharp = false; // see there
+        made.for_crust = true;
         surface_ = build_amls_surface(sorted, made, progress, {}, surface_ ? &*surface_ : nullptr);
         noise_ = options.noise;
     }

@@ -134,7 +134,7 @@ TEST(AmlsProjection, KeptFromTheResidualsIsWhatIsFoundAnew)
     for (const bool sharp : {true, false})
     {
         AmlsOptions options;
-        options.sharp = sharp;
+        options.for_crust = !sharp;
         const AmlsSurface surface = build_amls_surface(noisy, options);
         AmlsProjectionOptions projection;
         projection.sharp = sharp;
