@@ -50,7 +50,7 @@ void sum_smoother(const double* pu, const double* pv, const double* pz, int n, d
     {
         const Lanes u = simd::load(pu + i) * inverse, v = simd::load(pv + i) * inverse, z = simd::load(pz + i);
         const Lanes e = u * u + v * v + (z * inverse) * (z * inverse);
-        const Lanes w = e <= limit ? simd::exp_negative(e) : simd::zero();
+        const Lanes w = simd::where_at_most(e, limit - Lanes{}, simd::exp_negative(e), simd::zero());
         const Lanes value = w * (coefficients[0] + coefficients[1] * u + coefficients[2] * v + coefficients[3] * u * u +
                                  coefficients[4] * u * v + coefficients[5] * v * v);
         simd::store(l + i, value);
@@ -74,7 +74,7 @@ void sum_monomials(const double* pu, const double* pv, const double* pz, int n, 
         const Lanes u = simd::load(pu + i) * inverse, v = simd::load(pv + i) * inverse,
                     z = simd::load(pz + i) * inverse;
         const Lanes e = u * u + v * v + z * z;
-        const Lanes w = e <= limit ? simd::exp_negative(e) : simd::zero();
+        const Lanes w = simd::where_at_most(e, limit - Lanes{}, simd::exp_negative(e), simd::zero());
         const Lanes wu = w * u, wv = w * v, wuu = wu * u, wuv = wu * v, wvv = wv * v;
         total[0] += w;
         total[1] += wu;

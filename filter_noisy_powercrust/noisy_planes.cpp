@@ -54,11 +54,13 @@ void sum_slab(const double* px, const double* py, const double* pz, const double
     {
         const Lanes x = simd::load(px + i), y = simd::load(py + i), z = simd::load(pz + i),
                     one = simd::load(is_point + i);
-        const Lanes height = nx * x + ny * y + nz * z - offset, h = height < 0 ? -height : height;
-        const Lanes in = h <= half ? one : Lanes{}, wx = in * x, wy = in * y, wz = in * z;
+        const Lanes height = nx * x + ny * y + nz * z - offset,
+                    h = simd::where_at_most(simd::zero(), height, height, -height);
+        const Lanes in = simd::where_at_most(h, half - Lanes{}, one, simd::zero()), wx = in * x, wy = in * y,
+                    wz = in * z;
         count += in;
         squared += in * h * h;
-        beside += h <= 2 * half ? one - in : Lanes{};
+        beside += simd::where_at_most(h, 2 * half - Lanes{}, one - in, simd::zero());
         first[0] += wx;
         first[1] += wy;
         first[2] += wz;

@@ -20,7 +20,7 @@ namespace recon
 namespace
 {
 
-using simd::Lanes;
+using simd::HalfLanes;
 
 constexpr int fan = BlockSearch::fan;
 static_assert(fan == simd::lane_count);
@@ -35,37 +35,56 @@ struct Node
     int level, index;
 };
 
-/// Squared distances from 8 boxes.
-RECON_INLINE Lanes measure_boxes(const BlockSearch::Box& box, const double* q)
+/// Squared distances of 8 boxes or points.
+struct Squares
 {
-    Lanes sum = simd::zero();
-    for (int axis = 0; axis < 3; ++axis)
-    {
-        const Lanes below = simd::load(box.low[axis]) - q[axis], above = q[axis] - simd::load(box.high[axis]);
-        Lanes d = below > above ? below : above;
-        d = d > 0 ? d : simd::zero();
-        sum += d * d;
-    }
-    return sum;
+    HalfLanes half[2];
+};
+
+/// From 8 boxes.
+RECON_INLINE Squares measure_boxes(const BlockSearch::Box& box, const double* q)
+{
+    Squares squares = {};
+    for (int h = 0; h < 2; ++h)
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            const HalfLanes below = simd::load_half(box.low[axis] + 4 * h) - q[axis],
+                            above = q[axis] - simd::load_half(box.high[axis] + 4 * h);
+            const HalfLanes d = simd::larger(simd::larger(below, above), HalfLanes{});
+            squares.half[h] += d * d;
+        }
+    return squares;
 }
 
 /// To the farthest corners.
-RECON_INLINE Lanes measure_corners(const BlockSearch::Box& box, const double* q)
+RECON_INLINE Squares measure_corners(const BlockSearch::Box& box, const double* q)
 {
-    Lanes sum = simd::zero();
-    for (int axis = 0; axis < 3; ++axis)
-    {
-        const Lanes low = q[axis] - simd::load(box.low[axis]), high = simd::load(box.high[axis]) - q[axis];
-        const Lanes d = low > high ? low : high;
-        sum += d * d;
-    }
-    return sum;
+    Squares squares = {};
+    for (int h = 0; h < 2; ++h)
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            const HalfLanes d = simd::larger(q[axis] - simd::load_half(box.low[axis] + 4 * h),
+                                             simd::load_half(box.high[axis] + 4 * h) - q[axis]);
+            squares.half[h] += d * d;
+        }
+    return squares;
 }
 
-RECON_INLINE Lanes measure_points(const BlockSearch::Leaf& leaf, const double* q)
+RECON_INLINE Squares measure_points(const BlockSearch::Leaf& leaf, const double* q)
 {
-    const Lanes x = simd::load(leaf.p[0]) - q[0], y = simd::load(leaf.p[1]) - q[1], z = simd::load(leaf.p[2]) - q[2];
-    return x * x + y * y + z * z;
+    Squares squares;
+    for (int h = 0; h < 2; ++h)
+    {
+        const HalfLanes x = simd::load_half(leaf.p[0] + 4 * h) - q[0], y = simd::load_half(leaf.p[1] + 4 * h) - q[1],
+                        z = simd::load_half(leaf.p[2] + 4 * h) - q[2];
+        squares.half[h] = x * x + y * y + z * z;
+    }
+    return squares;
+}
+
+RECON_INLINE void store(double* values, const Squares& squares)
+{
+    std::memcpy(values, &squares, sizeof squares);
 }
 
 /// What the queries read.
@@ -107,14 +126,12 @@ constexpr std::array<std::array<std::uint8_t, fan>, 1 << fan> list_set_bits()
 constexpr auto set_bits = list_set_bits();
 
 /// Bit j: whether the j-th is at most `limit`.
-RECON_INLINE unsigned mask_of(Lanes squared, double limit)
+RECON_INLINE unsigned mask_of(const Squares& squares, double limit)
 {
-    // Eight bytes of 0 or 1, of which the product gathers the bits in its highest byte.
-    using Bytes = std::int8_t __attribute__((vector_size(fan)));
-    const Bytes within = __builtin_convertvector(squared <= limit, Bytes);
-    std::uint64_t bytes;
-    std::memcpy(&bytes, &within, sizeof bytes);
-    return unsigned((bytes & 0x0101010101010101u) * 0x0102040810204080u >> 56);
+    using Bits = std::int64_t __attribute__((vector_size(32)));
+    constexpr Bits first = {1, 2, 4, 8}, second = {16, 32, 64, 128};
+    const Bits bits = ((squares.half[0] <= limit) & first) | ((squares.half[1] <= limit) & second);
+    return unsigned((bits[0] | bits[2]) | (bits[1] | bits[3]));
 }
 
 /// Calls visit(first index, squared distances of 8 points) for the leaves that come as near as `limit`, in the
@@ -181,10 +198,10 @@ RECON_VECTOR_CLONES
 void collect_candidates(const Tree& tree, const double* q, double limit, std::size_t most, Candidates* candidates)
 {
     visit_leaves(tree, q, limit,
-                 [&](int first, Lanes d) RECON_INLINE_LAMBDA
+                 [&](int first, const Squares& d) RECON_INLINE_LAMBDA
                  {
                      double squared[fan];
-                     simd::store(squared, d);
+                     store(squared, d);
                      for (unsigned mask = mask_of(d, limit); mask != 0; mask &= mask - 1)
                      {
                          const int j = __builtin_ctz(mask);
@@ -212,7 +229,7 @@ void collect_nearest(const Tree& tree, const double* q, int k, Candidates* candi
         double d[fan];
         if (node.level < 0)
         {
-            simd::store(d, measure_points(tree.leaves[node.index], q));
+            store(d, measure_points(tree.leaves[node.index], q));
             for (int j = 0; j < fan; ++j)
                 if (d[j] <= last.squared)
                     candidates->push_back({d[j], node.index * fan + j});
@@ -223,11 +240,11 @@ void collect_nearest(const Tree& tree, const double* q, int k, Candidates* candi
             }
             continue;
         }
-        simd::store(d, measure_boxes(tree.levels[node.level][node.index], q));
+        store(d, measure_boxes(tree.levels[node.level][node.index], q));
         if (Tree::child_size(node) >= k)
         {
             double far[fan];
-            simd::store(far, measure_corners(tree.levels[node.level][node.index], q));
+            store(far, measure_corners(tree.levels[node.level][node.index], q));
             for (int j = 0; j < fan; ++j)
                 if (far[j] < last.squared && tree.is_full(node, j))
                     last = {far[j], std::numeric_limits<int>::max()};
@@ -250,7 +267,7 @@ void collect_within(const Tree& tree, const double* q, double limit, std::vector
     constexpr int room = 64 * fan;
     int found[room], count = 0;
     visit_leaves(tree, q, limit,
-                 [&](int first, Lanes d) RECON_INLINE_LAMBDA
+                 [&](int first, const Squares& d) RECON_INLINE_LAMBDA
                  {
                      if (count > room - fan)
                      {
@@ -271,7 +288,7 @@ RECON_VECTOR_CLONES
 bool find_within(const Tree& tree, const double* q, double limit, int wanted)
 {
     visit_leaves(tree, q, limit,
-                 [&](int, Lanes d) RECON_INLINE_LAMBDA
+                 [&](int, const Squares& d) RECON_INLINE_LAMBDA
                  {
                      wanted -= __builtin_popcount(mask_of(d, limit));
                      return wanted > 0;

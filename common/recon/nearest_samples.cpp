@@ -13,6 +13,8 @@ namespace recon
 namespace
 {
 
+using simd::HalfLanes;
+
 /// Some samples, ascending, as columns that end in whole lanes, infinitely far ones at the end.
 struct Candidates
 {
@@ -44,19 +46,20 @@ void find_nearest(const Point* points, int count, const Candidates& candidates, 
     for (int i = 0; i < count; ++i)
     {
         const double px = points[i].x(), py = points[i].y(), pz = points[i].z();
-        simd::Lanes least = std::numeric_limits<double>::infinity() - simd::Lanes{}, at{};
-        for (int k = 0; k < n; k += simd::lane_count)
+        HalfLanes least = std::numeric_limits<double>::infinity() - HalfLanes{}, at{}, here = {0, 1, 2, 3};
+        for (int k = 0; k < n; k += 4, here += 4.0)
         {
-            const simd::Lanes dx = simd::load(x + k) - px, dy = simd::load(y + k) - py, dz = simd::load(z + k) - pz;
-            const simd::Lanes d = dx * dx + dy * dy + dz * dz;
-            at = d < least ? double(k) - simd::Lanes{} : at;
+            const HalfLanes dx = simd::load_half(x + k) - px, dy = simd::load_half(y + k) - py,
+                            dz = simd::load_half(z + k) - pz;
+            const HalfLanes d = dx * dx + dy * dy + dz * dz;
+            at = d < least ? here : at;
             least = d < least ? d : least;
         }
         int best = 0;
-        for (int j = 1; j < simd::lane_count; ++j)
-            if (least[j] < least[best] || (least[j] == least[best] && at[j] + j < at[best] + best))
+        for (int j = 1; j < 4; ++j)
+            if (least[j] < least[best] || (least[j] == least[best] && at[j] < at[best]))
                 best = j;
-        nearest[i] = int(at[best]) + best;
+        nearest[i] = int(at[best]);
     }
 }
 
