@@ -222,8 +222,12 @@ void RegularTriangulation::join_along_edges(Worker& worker)
         worker.fills = 1;
     }
     const unsigned mask = unsigned(worker.edges.size()) - 1;
+    // All 32 bits count: a point amid a million on a sphere sees them all, more than the upper 20 bits tell apart.
     const auto place = [](int from, int to)
-    { return (unsigned(from) * 0x9e3779b1u + unsigned(to)) * 0x85ebca6bu >> 12; };
+    {
+        const unsigned product = (unsigned(from) * 0x9e3779b1u + unsigned(to)) * 0x85ebca6bu;
+        return product ^ product >> 12;
+    };
     // Opposite positions 0 to 3 of a positively oriented cell the others, counter-clockwise seen from there.
     constexpr int around[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
     for (std::size_t k = 0; k < worker.hull.size(); ++k)
