@@ -43,24 +43,27 @@ public:
     {
     }
 
-    std::vector<CreasePlace> find() const
+    std::vector<CreasePlace> find(const Progress& progress) const
     {
-        const std::vector<Pair> pairs = where_sharp(near_pairs());
+        const std::vector<Pair> pairs = where_sharp(near_pairs(progress.part(0, 0.15)), progress.part(0.15, 0.3));
         std::vector<CreasePlace> proposed = corners_of(pairs);
         for (const Pair& pair : pairs)
             propose_edge(pair, proposed);
-        std::vector<CreasePlace> places = on_lines(choose(proposed));
+        progress.report(0.4);
+        std::vector<CreasePlace> places = on_lines(choose(proposed, progress.part(0.4, 0.8)));
+        progress.report(0.9);
         close_corners(faces_, places);
+        progress.report(1);
         return places;
     }
 
 private:
     /// Shortest first.
-    std::vector<Pair> near_pairs() const
+    std::vector<Pair> near_pairs(const Progress& progress) const
     {
         constexpr int near = 16;
         std::vector<Pair> pairs = parallel_collect<Pair>(
-            points_.size(), threads_, {},
+            points_.size(), threads_, progress,
             [&](std::size_t point, std::vector<Pair>& found)
             {
                 const int i = int(point);
@@ -78,12 +81,12 @@ private:
     }
 
     /// Without those that have none near that may be sharp: noisy normals make pairs everywhere.
-    std::vector<Pair> where_sharp(std::vector<Pair> pairs) const
+    std::vector<Pair> where_sharp(std::vector<Pair> pairs, const Progress& progress) const
     {
         std::vector<char> is_paired(points_.size(), 0), may_be_sharp(points_.size(), 0), is_near(points_.size(), 0);
         for (const Pair& pair : pairs)
             is_paired[std::size_t(pair.i)] = is_paired[std::size_t(pair.j)] = 1;
-        parallel_for(points_.size(), threads_, {},
+        parallel_for(points_.size(), threads_, progress,
                      [&](std::size_t i) { may_be_sharp[i] = is_paired[i] && may_end_sharply(usable_, i); });
         for (const Pair& pair : pairs)
             if (may_be_sharp[std::size_t(pair.i)] && may_be_sharp[std::size_t(pair.j)])
@@ -138,7 +141,7 @@ private:
     }
 
     /// Of places near each other the first, but sharp ones before others.
-    std::vector<CreasePlace> choose(const std::vector<CreasePlace>& proposed) const
+    std::vector<CreasePlace> choose(const std::vector<CreasePlace>& proposed, const Progress& progress) const
     {
         Points own;
         for (std::size_t i = 0; i < points_.size(); ++i)
@@ -155,6 +158,8 @@ private:
         };
         for (std::size_t k = 0; k < proposed.size(); ++k)
         {
+            if (k % 4096 == 0)
+                progress.report(double(k) / double(proposed.size()));
             if (!thinning.is_free(k) || !faces_.are_edges(proposed[k]))
                 continue;
             if (faces_.are_sharp(proposed[k]))
@@ -235,10 +240,16 @@ private:
 } // namespace
 
 AddedSamples detect_creases(const UsableSamples& usable, const std::vector<float>& spacing, double crease_angle,
-                            int threads)
+                            int threads, const Progress& progress)
 {
+    const std::vector<CreasePlace> places = CreaseFinder(usable, spacing, crease_angle, threads).find(progress);
     AddedSamples creases;
-    for (const CreasePlace& place : CreaseFinder(usable, spacing, crease_angle, threads).find())
+    for (const int k : sort_spatially(positions_of(places)))
+    {
+        const CreasePlace& place = places[std::size_t(k)];
+        if (std::all_of(place.around.begin(), place.around.end(),
+                        [&](int i) { return usable.is_frozen[std::size_t(i)] != 0; }))
+            continue;
         for (int i : place.around)
         {
             creases.samples.points.push_back(place.point);
@@ -247,6 +258,7 @@ AddedSamples detect_creases(const UsableSamples& usable, const std::vector<float
             const int other = place.around[0] == i ? place.around[1] : place.around[0];
             creases.parents.push_back({i, i, other});
         }
+    }
     return creases;
 }
 

@@ -3,6 +3,8 @@
 #include "added_samples.h"
 #include "usable_samples.h"
 
+#include <recon/progress.h>
+
 #include <vector>
 
 namespace recon::pn
@@ -13,8 +15,8 @@ namespace recon::pn
 /// than `crease_angle` [radians], the crease runs along the intersection of their tangent planes, or the corner lies
 /// where three of them meet; creases are sampled about as densely as the cloud. Only lines along which both faces end
 /// sharply (ends_sharply()) in enough places are creases: clouds of smooth shapes and noisy clouds get none.
-/// \param spacing as from find_spacing().
+/// None where all samples that show it are frozen. In spatial order. \param spacing as from find_spacing().
 AddedSamples detect_creases(const UsableSamples& usable, const std::vector<float>& spacing, double crease_angle,
-                            int threads);
+                            int threads, const Progress& progress = {});
 
 } // namespace recon::pn

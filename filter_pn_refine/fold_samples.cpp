@@ -171,8 +171,7 @@ std::vector<double> directions_into_gaps(const OrientedSamples& samples, const I
 } // namespace
 
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, bool has_creases, const std::function<bool(std::size_t)>& may_start,
-                          int threads, const Progress& progress)
+                          double slack, bool has_creases, int threads, const Progress& progress)
 {
     const OrientedSamples& samples = usable.samples;
     const std::size_t n = samples.points.size();
@@ -195,7 +194,7 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
                                                                     samples.normals[std::size_t(j)].dot(normal);
                                                                 return a < folded || a > flat;
                                                             });
-            if (fans.widest_gap[i] <= open_gap || is_flat || !has_fold || !(spacing[i] > 0) || !may_start(i))
+            if (fans.widest_gap[i] <= open_gap || is_flat || !has_fold || !(spacing[i] > 0) || usable.is_frozen[i])
                 return;
             const Vector e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
             const Walk walk(usable, i, double(spacing[i]), slack);
@@ -217,6 +216,12 @@ AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, 
             }
         },
         64);
+    const auto comes_from_frozen = [&](const ProposedSample& p)
+    {
+        return std::all_of(p.parents.begin(), p.parents.end(),
+                           [&](int j) { return usable.is_frozen[std::size_t(j)] != 0; });
+    };
+    found.erase(std::remove_if(found.begin(), found.end(), comes_from_frozen), found.end());
     return thin_out(std::move(found), room);
 }
 

@@ -4,19 +4,17 @@
 #include "initial_fans.h"
 #include "usable_samples.h"
 
-#include <functional>
+#include <vector>
 
 namespace recon::pn
 {
 
 /// Samples for folds that the input shows too sparsely for PN triangles: rims of ears, tips of fingers, where the
-/// normals of the nearest samples differ by more than neighbours' may. From each sample whose fan is open there, a walk
-/// on the surface that interpolates the samples around (HermiteSurface) leads into the gap; where it comes among
-/// samples again, what it passed is put in. \param spacing as from find_spacing(). \param slack of the surface's
-/// gradients. \param has_creases whether edges are sharp: then flat faces have no folds. \param may_start whether walks
-/// may begin at a sample.
+/// normals of the nearest samples differ by more than neighbours' may. From each sample whose fan is open there, unless
+/// it is frozen, a walk on the surface that interpolates the samples around (HermiteSurface) leads into the gap; where
+/// it comes among samples again, what it passed is put in. \param spacing as from find_spacing(). \param slack of the
+/// surface's gradients. \param has_creases whether edges are sharp: then flat faces have no folds.
 AddedSamples sample_folds(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, bool has_creases, const std::function<bool(std::size_t)>& may_start,
-                          int threads, const Progress& progress);
+                          double slack, bool has_creases, int threads, const Progress& progress);
 
 } // namespace recon::pn

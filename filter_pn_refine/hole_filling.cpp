@@ -4,9 +4,13 @@
 
 #include <recon/median.h>
 #include <recon/neighbours.h>
+#include <recon/parallel.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
 
 namespace recon::pn
 {
@@ -15,12 +19,70 @@ namespace
 
 /// Points put into a hole keep this distance from each other and from the samples [spacings].
 constexpr double apart = 0.6;
+constexpr std::size_t samples_at_once = 1024; ///< Between two reports of progress.
+
+/// Open balls in classes of like radii, so that the nearest centre of a class mostly tells: within the largest radius
+/// of a point there are thousands of centres where holes are large, and nobody wants a list of them for every point.
+class UnionOfBalls
+{
+public:
+    /// \pre radii are positive.
+    UnionOfBalls(const Points& centres, const std::vector<double>& radii)
+    {
+        std::map<int, Class> classes;
+        for (std::size_t k = 0; k < centres.size(); ++k)
+        {
+            Class& own = classes[int(std::floor(std::log(radii[k]) / std::log(growth)))];
+            own.centres.push_back(centres[k]);
+            own.radii.push_back(radii[k]);
+        }
+        for (auto& [size, balls] : classes)
+            classes_.push_back(std::make_unique<Class>(std::move(balls)));
+        for (const std::unique_ptr<Class>& balls : classes_)
+        {
+            balls->search = std::make_unique<NeighbourSearch>(balls->centres);
+            const auto [least, most] = std::minmax_element(balls->radii.begin(), balls->radii.end());
+            balls->least = *least;
+            balls->most = *most;
+        }
+    }
+
+    bool hold(const Point& p) const
+    {
+        return std::any_of(classes_.begin(), classes_.end(),
+                           [&](const std::unique_ptr<Class>& balls) { return balls->hold(p); });
+    }
+
+private:
+    static constexpr double growth = 1.25; ///< From the least to the largest radius of a class.
+
+    struct Class
+    {
+        Points centres;
+        std::vector<double> radii;
+        double least = 0, most = 0; ///< Of the radii.
+        std::unique_ptr<NeighbourSearch> search;
+
+        bool hold(const Point& p) const
+        {
+            const auto distance = [&](int k) { return (p - centres[std::size_t(k)]).norm(); };
+            const double nearest = distance(search->nearest(p));
+            if (nearest < least || nearest >= most)
+                return nearest < least;
+            thread_local std::vector<int> near;
+            search->within(p, most, near);
+            return std::any_of(near.begin(), near.end(), [&](int k) { return distance(k) < radii[std::size_t(k)]; });
+        }
+    };
+    std::vector<std::unique_ptr<Class>> classes_; // searches refer to the centres
+};
 
 class HoleFiller
 {
 public:
-    HoleFiller(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius)
-        : usable_(usable), fans_(fans), hole_radius_(hole_radius)
+    HoleFiller(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
+               int threads)
+        : usable_(usable), fans_(fans), hole_radius_(hole_radius), threads_(threads)
     {
         std::vector<double> spacings;
         for (int i = 0; i < int(usable.input.size()); ++i)
@@ -32,17 +94,18 @@ public:
         usual_ = median(std::move(spacings));
     }
 
-    AddedSamples fill(const std::function<Refined(const OrientedSamples&, int steps)>& refine) const
+    AddedSamples fill(const RefineCoarse& refine, const Progress& progress) const
     {
         if (rims_.empty() || hole_radius_ <= usual_)
             return {};
-        const Coarse coarse = thin_around_rims();
+        const Coarse coarse = thin_around_rims(progress.part(0, 0.1));
         if (coarse.samples.points.size() < 3)
             return {};
         const double ratio = hole_radius_ / (apart * usual_);
         const Refined refined =
-            refine(coarse.samples, std::clamp(int(std::ceil(std::log(ratio) / std::log(1.7))) + 1, 1, 12));
-        return keep_in_holes(refined, coarse);
+            refine(coarse.samples, std::clamp(int(std::ceil(std::log(ratio) / std::log(1.7))) + 1, 1, 12),
+                   progress.part(0.1, 0.7));
+        return keep_in_holes(refined, coarse, progress.part(0.7, 1));
     }
 
 private:
@@ -57,16 +120,22 @@ private:
     /// Radius of a fan without its factor: a little more than the spacing.
     double spacing(int i) const { return fans_.radius[std::size_t(i)] / 1.5; }
 
-    Coarse thin_around_rims() const
+    Coarse thin_around_rims(const Progress& progress) const
     {
         Points rims;
         for (int i : rims_)
             rims.push_back(point(i));
         const NeighbourSearch rim_search(rims);
+        const auto look = [&](std::size_t i, std::vector<int>& found)
+        {
+            const Point& p = usable_.samples.points[i];
+            if ((p - rims[std::size_t(rim_search.nearest(p))]).norm() < 3 * hole_radius_)
+                found.push_back(int(i));
+        };
         std::vector<int> order = rims_; // rims first: they say how the surface enters the hole
-        for (int i = 0; i < int(usable_.input.size()); ++i)
-            if ((point(i) - rims[std::size_t(rim_search.nearest(point(i)))]).norm() < 3 * hole_radius_)
-                order.push_back(i);
+        const std::vector<int> around =
+            parallel_collect<int>(usable_.input.size(), threads_, progress, look, samples_at_once);
+        order.insert(order.end(), around.begin(), around.end());
         SparseSet thinned(hole_radius_);
         Coarse coarse;
         for (int i : order)
@@ -81,41 +150,36 @@ private:
         return coarse;
     }
 
-    AddedSamples keep_in_holes(const Refined& refined, const Coarse& coarse) const
+    AddedSamples keep_in_holes(const Refined& refined, const Coarse& coarse, const Progress& progress) const
     {
         const NeighbourSearch search(usable_.samples.points);
+        const std::size_t count = refined.points.size();
+        std::vector<int> nearest(count);
+        parallel_for(
+            count, threads_, progress.part(0, 0.5),
+            [&](std::size_t k) { nearest[k] = search.nearest(refined.points[k]); }, samples_at_once);
+        const auto room_at = [&](std::size_t k) { return (refined.points[k] - point(nearest[k])).norm(); };
         // What is filled is the union of large empty balls: the usual unevenness of samples is left to refinement.
-        Points empty_centres;
-        std::vector<double> empty_radii;
-        for (const Point& p : refined.points)
-        {
-            const int nearest = search.nearest(p);
-            const double radius = (p - point(nearest)).norm();
-            if (radius > 1.5 * std::max(usual_, spacing(nearest)))
+        Points centres;
+        std::vector<double> radii;
+        for (std::size_t k = 0; k < count; ++k)
+            if (const double room = room_at(k); room > 1.5 * std::max(usual_, spacing(nearest[k])))
             {
-                empty_centres.push_back(p);
-                empty_radii.push_back(radius);
+                centres.push_back(refined.points[k]);
+                radii.push_back(std::min(1.1 * room, 1.5 * hole_radius_));
             }
-        }
-        const NeighbourSearch empty_search(empty_centres);
-        std::vector<int> around;
-        const auto is_in_hole = [&](const Point& p)
-        {
-            empty_search.within(p, 1.5 * hole_radius_, around);
-            return std::any_of(
-                around.begin(), around.end(),
-                [&](int k) { return (p - empty_centres[std::size_t(k)]).norm() < 1.1 * empty_radii[std::size_t(k)]; });
-        };
+        const UnionOfBalls holes(centres, radii);
 
         AddedSamples fill;
         SparseSet taken(apart * usual_);
         const int n = int(usable_.input.size()), coarse_count = int(coarse.origin.size());
-        std::vector<int> place(refined.points.size(), -1); // in usable samples followed by the fill
-        for (std::size_t k = 0; k < refined.points.size(); ++k)
+        std::vector<int> place(count, -1); // in usable samples followed by the fill
+        for (std::size_t k = 0; k < count; ++k)
         {
+            if (k % samples_at_once == 0)
+                progress.part(0.5, 1).report(double(k) / double(count));
             const Point& p = refined.points[k];
-            const int nearest = search.nearest(p);
-            const double free = std::max(apart * usual_, apart * std::min(spacing(nearest), 2 * usual_));
+            const double free = std::max(apart * usual_, apart * std::min(spacing(nearest[k]), 2 * usual_));
             std::array<int, 3> parents;
             for (std::size_t m = 0; m < 3; ++m)
             {
@@ -123,7 +187,9 @@ private:
                 parents[m] = parent < coarse_count ? coarse.origin[std::size_t(parent)]
                                                    : place[std::size_t(parent - coarse_count)];
             }
-            if ((p - point(nearest)).norm() <= free || taken.has_near(p) || !is_in_hole(p))
+            const auto is_frozen = [&](int parent) { return parent < n && usable_.is_frozen[std::size_t(parent)]; };
+            if (room_at(k) <= free || taken.has_near(p) || std::all_of(parents.begin(), parents.end(), is_frozen) ||
+                !holes.hold(p))
             {
                 place[k] = parents[0]; // stands in for it among the parents of others
                 continue;
@@ -140,6 +206,7 @@ private:
     const UsableSamples& usable_;
     const InitialFans& fans_;
     const double hole_radius_;
+    const int threads_;
     std::vector<int> rims_;
     double usual_ = 0; ///< Spacing on rims.
 };
@@ -147,9 +214,9 @@ private:
 } // namespace
 
 AddedSamples fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
-                        const std::function<Refined(const OrientedSamples&, int steps)>& refine)
+                        const RefineCoarse& refine, int threads, const Progress& progress)
 {
-    return HoleFiller(usable, fans, boundary_angle, hole_radius).fill(refine);
+    return HoleFiller(usable, fans, boundary_angle, hole_radius, threads).fill(refine, progress);
 }
 
 } // namespace recon::pn

@@ -4,8 +4,11 @@
 #include "initial_fans.h"
 #include "usable_samples.h"
 
+#include <recon/progress.h>
+
 #include <array>
 #include <functional>
+#include <vector>
 
 namespace recon::pn
 {
@@ -18,11 +21,13 @@ struct Refined
     std::vector<std::array<int, 3>> parents;
 };
 
+using RefineCoarse = std::function<Refined(const OrientedSamples&, int steps, const Progress&)>;
+
 /// Fills holes up to `hole_radius` [units of the samples]. Radii that overlap a hole, as the paper has it, are only
 /// helpful among points as far apart as the hole is wide: so the samples around rims are thinned to that distance,
 /// refined by `refine` until they are dense again, and of what that makes the points in the holes are kept, as dense as
-/// the samples around them.
+/// the samples around them. None comes from frozen samples alone.
 AddedSamples fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
-                        const std::function<Refined(const OrientedSamples&, int steps)>& refine);
+                        const RefineCoarse& refine, int threads, const Progress& progress);
 
 } // namespace recon::pn

@@ -6,6 +6,7 @@
 #include <recon/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace recon::pn
@@ -18,7 +19,8 @@ constexpr int most_nearest = 64;
 
 struct FanOfSample
 {
-    std::vector<int> members;
+    std::array<int, lane_count> members; ///< A Fan holds no more.
+    int count = 0;
     double farthest = 0, widest_gap = full_turn;
     int gap_from = -1;
     bool may_grow = true; ///< Points beyond those looked at may be members.
@@ -78,11 +80,11 @@ FanOfSample find_fan(const OrientedSamples& samples, int i, const int* nearest, 
     // Between two members nothing outside the circle through them and the centre joins: on it their sines in eq. 8
     // cancel.
     fan.may_grow = size < 3;
-    fan.members.reserve(std::size_t(size));
+    fan.count = size;
     for (int m = 0; m < size; ++m)
     {
         const int a = order.entry[m];
-        fan.members.push_back(nearest[ring.source[a]]);
+        fan.members[std::size_t(m)] = nearest[ring.source[a]];
         fan.farthest = std::max(fan.farthest, ring.length[a] * 1.00001 * reach);
         const double gap =
             m + 1 < size ? order.angle[m + 1] - order.angle[m] : order.angle[0] - order.angle[m] + full_turn;
@@ -115,7 +117,8 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const BlockSearch&
             {
                 const auto begin = before->member.begin();
                 FanOfSample& fan = fans[i];
-                fan.members.assign(begin + before->first[i], begin + before->first[i + 1]);
+                fan.count = before->first[i + 1] - before->first[i];
+                std::copy_n(begin + before->first[i], fan.count, fan.members.begin());
                 fan.farthest = before->farthest[i];
                 fan.widest_gap = before->widest_gap[i];
                 fan.gap_from = before->gap_from[i] < 0 ? -1 : before->gap_from[i] - before->first[i];
@@ -149,12 +152,13 @@ InitialFans find_initial_fans(const OrientedSamples& samples, const BlockSearch&
         result.radius[i] = factor * fans[i].farthest;
         result.widest_gap[i] = fans[i].widest_gap;
         result.gap_from[i] = fans[i].gap_from < 0 ? -1 : result.first[i] + fans[i].gap_from;
-        result.member.insert(result.member.end(), fans[i].members.begin(), fans[i].members.end());
+        result.member.insert(result.member.end(), fans[i].members.begin(), fans[i].members.begin() + fans[i].count);
         result.first[i + 1] = int(result.member.size());
     }
     for (std::size_t i = 0; i < std::size_t(n); ++i)
-        for (int j : fans[i].members)
+        for (int m = result.first[i]; m < result.first[i + 1]; ++m)
         {
+            const int j = result.member[std::size_t(m)];
             double& other = result.radius[std::size_t(j)];
             other = std::max(other, 1.02 * (samples.points[i] - samples.points[std::size_t(j)]).norm());
         }

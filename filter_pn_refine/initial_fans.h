@@ -15,7 +15,7 @@ namespace recon::pn
 struct InitialFans
 {
     std::vector<double> radius;     ///< Per point, enough to hold its fan and all points whose fans hold it. 0: no fan.
-    std::vector<double> farthest;   ///< Per point: of its fan [length].
+    std::vector<double> farthest;   ///< Per point: of its fan [length]; a fan that is kept gets its radius from it.
     std::vector<int> first, member; ///< Fans as compressed rows, counter-clockwise seen from outside.
     std::vector<double> widest_gap; ///< Per point [radians].
     std::vector<int> gap_from; ///< Per point: place in `member` of the neighbour before the widest gap, -1 without.

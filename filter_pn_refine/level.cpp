@@ -48,12 +48,17 @@ void split(WorkPoint* points, int begin, int end, std::vector<Leaf>& leaves)
     Eigen::Index axis;
     (leaf.box.maximum - leaf.box.minimum).maxCoeff(&axis);
     const int middle = begin + leaf.size() / 2;
-    // Ties by id: nth_element may order equal keys as it likes, and grids are full of them.
+    // Grids are full of ties, and nth_element may order equal keys as it likes. Ids follow the input's order, so they
+    // decide only between points at one position.
     std::nth_element(points + begin, points + middle, points + end,
                      [axis](const WorkPoint& a, const WorkPoint& b)
                      {
-                         const double x = a.position[axis], y = b.position[axis];
-                         return x < y || (x == y && a.id < b.id);
+                         if (a.position[axis] != b.position[axis])
+                             return a.position[axis] < b.position[axis];
+                         for (int k = 0; k < 3; ++k)
+                             if (a.position[k] != b.position[k])
+                                 return a.position[k] < b.position[k];
+                         return a.id < b.id;
                      });
     split(points, begin, middle, leaves);
     split(points, middle, end, leaves);
@@ -305,13 +310,15 @@ LeafGraph connect_leaves(const Level& level, int threads, const Progress& progre
     const Pyramid pyramid(level.leaves);
     LeafGraph graph;
     std::vector<int> counts(n, 0);
-    graph.neighbour = parallel_collect<int>(n, threads, progress,
-                                            [&](std::size_t i, std::vector<int>& met)
-                                            {
-                                                const std::size_t before = met.size();
-                                                pyramid.meet(int(i), met);
-                                                counts[i] = int(met.size() - before);
-                                            });
+    graph.neighbour = parallel_collect<int>(
+        n, threads, progress,
+        [&](std::size_t i, std::vector<int>& met)
+        {
+            const std::size_t before = met.size();
+            pyramid.meet(int(i), met);
+            counts[i] = int(met.size() - before);
+        },
+        32);
     graph.first.assign(n + 1, 0);
     std::partial_sum(counts.begin(), counts.end(), graph.first.begin() + 1);
 

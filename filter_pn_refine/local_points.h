@@ -29,7 +29,7 @@ struct LocalPoints
     float *x = nullptr, *y = nullptr, *z = nullptr, *nx = nullptr, *ny = nullptr, *nz = nullptr;
     float* radius = nullptr;
     float* largest_radius = nullptr;                ///< What it may be raised to.
-    std::int32_t *leaf = nullptr, *index = nullptr; ///< Where the point comes from.
+    std::int32_t *leaf = nullptr, *index = nullptr; ///< Where the point comes from; of old ones the leaf is not read.
     int count = 0, capacity = 0;
 
     /// Makes room for n and a vector more; keeps what is there.

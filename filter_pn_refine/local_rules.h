@@ -30,9 +30,11 @@ struct LocalRules
     /// [spacings after the step] A gap narrower than theta_c is completed too if the circle through its ends and the
     /// point has a larger radius. Else a hole between few points stays as it is while all around it becomes denser.
     static constexpr float large_gap = 1.1f;
-    static constexpr float free = 0.4f; ///< [spacings] What is put into such a gap keeps this distance to all points.
-    /// And comes from a triangle whose normals agree so far: others may lead astray. Where they agree, fans take more
-    /// as well (choose_neighbours()).
+    /// [spacings] What is put into such a gap keeps this distance to all points within the radius that eq. 6 admits; to
+    /// the others, as everywhere, least_distance.
+    static constexpr float free = 0.4f;
+    /// And it comes from a triangle whose normals agree so far: others may lead astray. Where they agree, fans take
+    /// more as well (choose_neighbours()).
     static constexpr float firm = 0.95f;
     static constexpr float least_height = 0.1f; ///< Of a candidate's triangle, in its longest edge.
     /// [spacings] Nor has such a triangle a longer edge: it would span a bay of the rim or a hole's side. (At 4 gaps

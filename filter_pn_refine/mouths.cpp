@@ -86,11 +86,12 @@ struct Walls
 
 } // namespace
 
-Mouths::Mouths(const UsableSamples& usable, const std::vector<float>& spacing, int threads)
+Mouths::Mouths(const UsableSamples& usable, const std::vector<float>& spacing, int threads, const Progress& progress)
     : samples_(usable.samples), search_(samples_.points), is_near_(usable.samples.points.size())
 {
     parallel_for(
-        is_near_.size(), threads, {}, [&](std::size_t i) { is_near_[i] = is_near_some(i, double(spacing[i])); }, 256);
+        is_near_.size(), threads, progress, [&](std::size_t i) { is_near_[i] = is_near_some(i, double(spacing[i])); },
+        256);
 }
 
 bool Mouths::is_near_some(std::size_t i, double spacing) const

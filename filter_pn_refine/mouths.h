@@ -17,7 +17,7 @@ class Mouths
 {
 public:
     /// \param spacing per sample, the usual distance around it.
-    Mouths(const UsableSamples& usable, const std::vector<float>& spacing, int threads);
+    Mouths(const UsableSamples& usable, const std::vector<float>& spacing, int threads, const Progress& progress = {});
     Mouths(const Mouths&) = delete; // the search refers to the samples
     Mouths& operator=(const Mouths&) = delete;
 

@@ -9,7 +9,8 @@
 namespace recon::pn
 {
 
-/// The nearest points of each point, itself first: asked for once, used by every preparation.
+/// The nearest points of each point, itself first (of several at one position the lowest index): asked for once, used
+/// by every preparation.
 struct NearestTable
 {
     static constexpr int each = 24;

@@ -8,8 +8,8 @@
 namespace recon::pn
 {
 
-std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const NearestTable& nearest, int threads,
-                                            const Progress& progress)
+std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const NearestTable& nearest,
+                                            const std::vector<char>& is_frozen, int threads, const Progress& progress)
 {
     const std::size_t n = samples.points.size();
     const int k = std::min(nearest.count, 13); // itself and 12 others
@@ -19,6 +19,8 @@ std::vector<int> turn_contradicting_normals(OrientedSamples& samples, const Near
         parallel_for(n, threads, progress.part(0.125 * round, 0.125 * (round + 1), "normals"),
                      [&](std::size_t i)
                      {
+                         if (is_frozen[i])
+                             return;
                          // Only neighbours that lie in both tangent planes vote: the other side of a thin part has
                          // opposite normals by right.
                          double agree = 0, contradict = 0;

@@ -25,21 +25,22 @@ plugin::ParameterTable<Options> table()
 {
     return plugin::ParameterTable<Options>()
         .count("steps", &Options::steps, "Steps",
-               "Refinement steps. Each makes about two to three times as many points.")
+               "Refinement steps, 0 to 30. Each makes about two to three times as many points. 0: only edges and holes "
+               "get points.")
         .length("target_radius", &Options::target_radius, "Target radius",
                 "Where the points' radii are at most this, refinement stops. 0: off.")
         .choice(
             "neighbourhood", &Options::neighbourhood, {"automatic", "fast fuzzy BSP", "accurate geodesic"},
             "Neighbourhood",
             "How the neighbours of a point are chosen. The accurate one copes better with few samples on curved parts; "
-            "automatic uses it only there.")
-        .flag(
-            "fast", &Options::fast, "Fast",
-            "Shortcuts that cost accuracy only where the samples are few; folds that they show too sparsely stay open.")
+            "automatic uses it only there. Does nothing where 'fast' is on.")
+        .flag("fast", &Options::fast, "Fast",
+              "Shortcuts that cost accuracy only where the samples are few; folds that they show too sparsely and "
+              "voids between them stay open.")
         .length(
             "initial_radius", &Options::initial_radius, "Initial radius",
-            "Radius of each point at the start; it must reach the point's neighbours. 0: the layer's radii if it has "
-            "them, else found for each point.")
+            "Radius of each point at the start; it must reach the point's neighbours, and counts up to four times what "
+            "would be found for the point. 0: the layer's radii if it has them, else found for each point.")
         .length("hole_radius", &Options::hole_radius, "Hole radius",
                 "Holes up to this radius are filled smoothly; bays of an outer rim are, too. 0: off.")
         .number("boundary_angle", &Options::boundary_angle, "Boundary angle",
@@ -56,10 +57,11 @@ plugin::ParameterTable<Options> table()
               "Refines creases along their own curves; each new crease point is two vertices with both normals.")
         .flag("repair_normals", &Options::repair_normals, "Repair normals",
               "Turns normals over that most neighbours contradict.")
-        .count("max_points", &Options::max_points, "Largest number of points",
-               "What would make more points in all, a step or the filling of holes, is not done.")
+        .count(
+            "max_points", &Options::max_points, "Largest number of points",
+            "What would make more points in all, a step or what is put onto edges and into holes before, is not done.")
         .flag("selected_only", &Options::selected_only, "Selected vertices only",
-              "Refines only around the selected vertices; the others are neighbours only.")
+              "Refines only around the selected vertices; the others are neighbours only and keep their normals.")
         .flag("into_new_layer", &Options::into_new_layer, "Into new layer",
               "The refined point set, without faces, becomes a new layer. Off: the new vertices are appended to the "
               "current layer, whose faces stay as they are.")

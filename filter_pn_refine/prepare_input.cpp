@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <string>
 #include <utility>
 
@@ -39,10 +38,17 @@ public:
 
     void run(const Progress& progress, PhaseTimes& times)
     {
+        const double share_of_holes = options_.hole_radius > 0 ? 1.5 : 0; // they take longer than all else
+        double begin = 0;
+        const auto next = [&](double share, const std::string& phase)
+        {
+            const double end = begin + share / (1 + share_of_holes);
+            return progress.part(std::exchange(begin, end), end, phase);
+        };
         times.begin("prepare");
-        choose(progress.part(0, 0.2, "choosing points"));
+        choose(next(0.2, "choosing points"));
         if (options_.repair_normals)
-            repair(progress.part(0.2, 0.4, "normals"));
+            repair(next(0.15, "normals"));
         if (contradiction_of_normals(usable_) > much_contradiction)
             result_.warnings.push_back("The normals contradict the points around most of them. Either the points are "
                                        "noisy: move them with 'MLS projection (AMLS)' first. Or the normals are a "
@@ -51,20 +57,21 @@ public:
         times.begin("radii");
         update_spacing();
         if (options_.detect_creases)
-            put_onto_creases();
-        find_fans(progress.part(0.4, 0.8, "radii"));
+            put_onto_creases(next(0.15, "creases"));
+        find_fans(next(0.25, "radii"));
         if (options_.preserve_creases &&
             std::find(usable_.is_crease.begin(), usable_.is_crease.end(), char(1)) != usable_.is_crease.end())
-            prepared_.mouths = std::make_unique<Mouths>(usable_, prepared_.spacing, threads_);
+            prepared_.mouths = std::make_unique<Mouths>(usable_, prepared_.spacing, threads_, next(0.05, "mouths"));
         if (options_.hole_radius > 0)
-            put_into_holes();
-        if (options_.fast)
+            put_into_holes(next(share_of_holes, "holes"));
+        // Voids and folds are no end in themselves: they serve the steps.
+        if (options_.fast || options_.steps == 0)
             return;
         prepared_.slack = slack_of_gradients(estimate_normal_noise(usable_));
-        put_into_voids(progress.part(0.8, 0.83, "voids"));
+        put_into_voids(next(0.05, "voids"));
         // Twice: what the first pass made shows the way to more.
-        if (put_into_folds(progress.part(0.83, 0.915, "folds")))
-            put_into_folds(progress.part(0.915, 1, "folds"));
+        if (put_into_folds(next(0.1, "folds")))
+            put_into_folds(next(0.05, "folds"));
     }
 
 private:
@@ -76,6 +83,8 @@ private:
             if (n > 0)
                 result_.warnings.push_back(count_of(n, one, many) + " took no part.");
         };
+        for (std::size_t i = 0; i < usable_.input.size() && !hints_.is_refined.empty(); ++i)
+            usable_.is_frozen[i] = !hints_.is_refined[std::size_t(usable_.input[i])];
         warn(usable_.without_normal, "point has no normal and", "points have no normal and");
         warn(usable_.duplicates, "duplicate point", "duplicate points");
         warn(usable_.isolated, "isolated point", "isolated points");
@@ -86,7 +95,8 @@ private:
 
     void repair(const Progress& progress)
     {
-        for (int i : turn_contradicting_normals(usable_.samples, usable_.nearest, threads_, progress))
+        for (int i :
+             turn_contradicting_normals(usable_.samples, usable_.nearest, usable_.is_frozen, threads_, progress))
             result_.turned_normals.push_back(usable_.input[std::size_t(i)]);
         std::sort(result_.turned_normals.begin(), result_.turned_normals.end());
         if (!result_.turned_normals.empty())
@@ -94,29 +104,40 @@ private:
                                        " turned over, since most neighbours contradict.");
     }
 
-    void put_onto_creases()
+    void put_onto_creases(const Progress& progress)
     {
-        const AddedSamples creases = detect_creases(usable_, prepared_.spacing, crease_angle(), threads_);
-        if (creases.samples.points.empty())
+        const AddedSamples creases =
+            detect_creases(usable_, prepared_.spacing, crease_angle(), threads_, progress.part(0, 0.6));
+        if (!may_put_in(creases))
             return;
         result_.crease_points = put_in(creases, true);
-        update_nearest(usable_, threads_);
+        update_nearest(usable_, threads_, progress.part(0.6, 1));
         update_spacing();
     }
 
-    void put_into_holes()
+    void put_into_holes(const Progress& progress)
     {
         PnRefineOptions options;
         options.preserve_boundaries = options.preserve_creases = options.repair_normals = false;
+        options.max_points = options_.max_points;
         options.threads = threads_;
-        const auto refine = [&](const OrientedSamples& samples, int steps)
+        const auto refine = [&](const OrientedSamples& samples, int steps, const Progress& part)
         {
             options.steps = steps;
-            PnRefinement r = refine_points(samples, options);
+            // Its phases would look as if all began anew.
+            PnRefinement r = refine_points(samples, options, {},
+                                           Progress(
+                                               [&](double fraction, const std::string&)
+                                               {
+                                                   part.report(fraction);
+                                                   return true;
+                                               }));
             return Refined{std::move(r.points), std::move(r.normals), std::move(r.parents)};
         };
         result_.hole_points = put_in_if_allowed(fill_holes(usable_, prepared_.fans, options_.boundary_angle * radians,
-                                                           options_.hole_radius / frame_.scale(), refine));
+                                                           options_.hole_radius / frame_.scale(), refine, threads_,
+                                                           progress.part(0, 0.9)),
+                                                progress.part(0.9, 1));
     }
 
     void put_into_voids(const Progress& progress)
@@ -126,27 +147,34 @@ private:
             return;
         result_.void_points =
             put_in_if_allowed(sample_voids(usable_, prepared_.fans, prepared_.spacing, prepared_.slack,
-                                           prepared_.mouths.get(), may_start(), threads_, progress));
+                                           prepared_.mouths.get(), threads_, progress.part(0, 0.6)),
+                              progress.part(0.6, 1));
     }
 
     /// \returns whether there were any.
     bool put_into_folds(const Progress& progress)
     {
         const int made = put_in_if_allowed(sample_folds(usable_, prepared_.fans, prepared_.spacing, prepared_.slack,
-                                                        prepared_.mouths != nullptr, may_start(), threads_, progress));
+                                                        prepared_.mouths != nullptr, threads_, progress.part(0, 0.6)),
+                                           progress.part(0.6, 1));
         result_.fold_points += made;
         return made > 0;
     }
 
-    /// All of these, and fans and spacing as they become, unless there are none or it would be more than `max_points`.
-    /// \returns how many.
-    int put_in_if_allowed(const AddedSamples& made)
+    /// Whether there are any and all would not be more than `max_points`.
+    bool may_put_in(const AddedSamples& made) const
     {
         const std::size_t all = input_.points.size() + result_.points.size() + made.samples.points.size();
-        if (made.samples.points.empty() || all > std::size_t(options_.max_points))
+        return !made.samples.points.empty() && all <= std::size_t(options_.max_points);
+    }
+
+    /// Puts in all of these or none, and makes fans and spacing what they become. \returns how many.
+    int put_in_if_allowed(const AddedSamples& made, const Progress& progress)
+    {
+        if (!may_put_in(made))
             return 0;
         const int count = put_in(made, false);
-        update_fans();
+        update_fans(progress);
         update_spacing();
         return count;
     }
@@ -158,8 +186,13 @@ private:
         for (std::size_t i = 0; i < made.samples.points.size(); ++i)
         {
             std::array<int, 3> parents;
+            bool is_frozen = true;
             for (std::size_t m = 0; m < 3; ++m)
-                parents[m] = usable_.input[std::size_t(made.parents[i][m])];
+            {
+                const auto parent = std::size_t(made.parents[i][m]);
+                parents[m] = usable_.input[parent];
+                is_frozen &= usable_.is_frozen[parent] != 0;
+            }
             result_.points.push_back(frame_.from_unit(made.samples.points[i]));
             result_.normals.push_back(made.samples.normals[i]);
             result_.parents.push_back(parents);
@@ -170,6 +203,7 @@ private:
             const bool is_shared = i > 0 && made.samples.points[i] == made.samples.points[i - 1];
             usable_.sharing.push_back(is_shared ? usable_.sharing.back() : n + int(i));
             usable_.is_crease.push_back(is_crease);
+            usable_.is_frozen.push_back(is_frozen);
         }
         return int(made.samples.points.size());
     }
@@ -182,21 +216,17 @@ private:
     }
 
     /// After samples have been added: those that the fans do not know.
-    void update_fans()
+    void update_fans(const Progress& progress)
     {
-        const std::vector<char> is_changed = add_to_nearest(usable_, prepared_.fans.radius.size(), threads_);
+        const std::vector<char> is_changed =
+            add_to_nearest(usable_, prepared_.fans.radius.size(), threads_, progress.part(0, 0.5));
         const InitialFans before = std::move(prepared_.fans);
-        find_fans({}, &before, is_changed);
+        find_fans(progress.part(0.5, 1), &before, is_changed);
     }
 
     void update_spacing() { prepared_.spacing = find_spacing(usable_.samples, usable_.nearest, threads_); }
 
     double crease_angle() const { return options_.crease_angle * radians; }
-
-    std::function<bool(std::size_t)> may_start() const
-    {
-        return [this](std::size_t i) { return !is_frozen(hints_, usable_.input[i]); };
-    }
 
     const OrientedSamples& input_;
     const PnRefineOptions& options_;

@@ -26,12 +26,6 @@ struct Prepared
     double slack = 0;               ///< Of a HermiteSurface's gradients.
 };
 
-/// Whether a point of the input keeps what it has.
-inline bool is_frozen(const PnRefineHints& hints, int input)
-{
-    return input < int(hints.is_refined.size()) && !hints.is_refined[std::size_t(input)];
-}
-
 /// Chooses the points that take part, turns contradicting normals, and puts samples onto creases, into holes, voids and
 /// folds, as the options say. `result` gets these samples, counts and warnings. \pre `prepared` is empty.
 /// \throws InvalidInput if no point has a normal.

@@ -60,23 +60,30 @@ Precision choose_precision(const PnRefineOptions& options)
     }
 }
 
+constexpr double most_own_radii = 4; ///< A given radius counts up to this, in those that a point would get itself.
+
 /// Radii for the first step: given, chosen for all, or from the fans.
 std::vector<double> choose_radii(const UsableSamples& usable, const InitialFans& fans, const PnRefineOptions& options,
-                                 const PnRefineHints& hints, double scale)
+                                 const PnRefineHints& hints, double scale, std::vector<std::string>& warnings)
 {
     std::vector<double> radii = fans.radius;
+    std::size_t too_large = 0;
     for (std::size_t i = 0; i < radii.size(); ++i)
     {
         double given = options.initial_radius;
         const bool is_hint = given == 0;
         if (is_hint && !hints.radii.empty())
             given = usable.input[i] < int(hints.radii.size()) ? hints.radii[std::size_t(usable.input[i])] : 0;
+        // Radii made for drawing are no neighbourhoods: a hint counts within reason. And no point may have all others
+        // around it, of whatever kind the radius is: that takes the square of the time and makes nothing.
+        too_large += given / scale > most_own_radii * radii[i];
         if (given > 0 && std::isfinite(given))
-            // Radii made for drawing are no neighbourhoods: a hint counts within reason.
-            radii[i] = is_hint ? std::clamp(given / scale, radii[i] / 1.5, 4 * radii[i]) : given / scale;
-        // Across the whole cloud nothing is a neighbourhood; a wild radius given must not make every point one.
-        radii[i] = std::min(radii[i], 1.0);
+            radii[i] = std::clamp(given / scale, is_hint ? radii[i] / 1.5 : 0, most_own_radii * radii[i]);
     }
+    if (options.initial_radius > 0 && 2 * too_large > radii.size())
+        warnings.push_back(
+            "The initial radius is too large for most points: it counts as four times what reaches their neighbours, "
+            "and even that leaves hardly any room for new ones. At 0 it is found for each point.");
     return radii;
 }
 
@@ -93,10 +100,16 @@ public:
     {
         PhaseTimes times;
         Prepared& prepared = prepared_.emplace();
-        prepare_input(input, options_, hints_, frame_, threads_, progress.part(0, 0.15), times, prepared, result_);
+        const double prepared_at = options_.hole_radius > 0 ? 0.3 : 0.15;
+        prepare_input(input, options_, hints_, frame_, threads_, progress.part(0, 0.9 * prepared_at), times, prepared,
+                      result_);
         const std::vector<std::uint32_t> sides = sides_of_faces(prepared.usable);
+        const Progress before_steps = progress.part(0.9 * prepared_at, prepared_at, "segments");
+        before_steps.report(0.2);
         find_segments(prepared, sides);
-        start(prepared, sides, choose_radii(prepared.usable, prepared.fans, options_, hints_, frame_.scale()));
+        before_steps.report(0.7);
+        start(prepared, sides,
+              choose_radii(prepared.usable, prepared.fans, options_, hints_, frame_.scale(), result_.warnings));
         prepared.usable.nearest = {};
         mouths_ = std::move(prepared.mouths);
         times.end();
@@ -109,8 +122,8 @@ public:
         for (int s = 0; s < options_.steps; ++s)
         {
             const double share = std::pow(2.3, s);
-            const Progress part = progress.part(0.15 + 0.85 * done / total, 0.15 + 0.85 * (done + share) / total,
-                                                "step " + std::to_string(s + 1));
+            const auto at = [&](double steps) { return prepared_at + (1 - prepared_at) * steps / total; };
+            const Progress part = progress.part(at(done), at(done + share), "step " + std::to_string(s + 1));
             if (!refine_level(s + 1 == options_.steps, part, times))
                 break;
             done += share;
@@ -162,8 +175,8 @@ private:
             p.radius = float(radii[i]);
             p.spacing = prepared.spacing[i];
             p.id = usable.input[i];
-            p.flags = is_frozen(hints_, p.id) ? WorkPoint::frozen
-                                              : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
+            p.flags = usable.is_frozen[i] ? WorkPoint::frozen
+                                          : (double(p.radius) > target && p.radius > 0 ? WorkPoint::refined : 0u);
             if (usable.is_crease[i] && options_.preserve_creases)
                 p.flags |= WorkPoint::crease | sides[i];
             if (prepared.mouths && prepared.mouths->are_near(i, usable))

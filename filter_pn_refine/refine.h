@@ -22,11 +22,13 @@ enum class PnNeighbourhood
 /// Options of refine_points(). Lengths are in input units.
 struct PnRefineOptions
 {
-    int steps = 3;            ///< Refinement steps, each about doubles the points [count], 0 to 30.
+    int steps = 3; ///< Refinement steps, each about doubles the points [count], 0 to 30. 0: only what is put onto
+                   ///< creases and into holes.
     double target_radius = 0; ///< Points with a radius at most this are not refined further [length], >= 0; 0 = off.
-    PnNeighbourhood neighbourhood = PnNeighbourhood::automatic;
-    bool fast = false;         ///< The shortcuts of section 7, and nothing but PN triangles; folds stay open.
+    PnNeighbourhood neighbourhood = PnNeighbourhood::automatic; ///< Does nothing where `fast` is on.
+    bool fast = false;         ///< The shortcuts of section 7, and nothing but PN triangles; folds and voids stay.
     double initial_radius = 0; ///< Radius of each point at the start [length], >= 0; 0 = automatic or given per point.
+                               ///< Counts up to 4 times what the point would get automatically.
     double hole_radius = 0;    ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
     double boundary_angle = 150;     ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.
     double crease_angle = 45;        ///< Normals that differ by more make a crease [degrees], 0 to 180.
@@ -36,16 +38,19 @@ struct PnRefineOptions
     bool preserve_boundaries = true; ///< Refines the rim along its own curve.
     bool preserve_creases = true;    ///< Refines creases along their own curve, with both normals.
     bool repair_normals = true;      ///< Turns normals that most neighbours contradict.
-    int max_points = 50000000;       ///< What would make more points in all, a step or the filling of holes, voids and
-                                     ///< folds, is not done [count], >= 1.
+    int max_points = 50000000;       ///< What would make more points in all, a step or what comes before the first for
+                                     ///< creases, holes, voids or folds, is not done [count], >= 1.
     int threads = 0;                 ///< 0 = all cores. The result does not depend on it.
 };
 
 /// What refine_points() may know about the input besides points and normals. Empty: nothing.
 struct PnRefineHints
 {
-    std::vector<double> radii;    ///< Per point, > distance to its farthest natural neighbour; others (<= 0) are found.
-    std::vector<char> is_refined; ///< Per point: 0 = takes part as a neighbour only.
+    /// Per point, > distance to its farthest natural neighbour; others (<= 0) are found. Made for drawing, radii may
+    /// be anything: each counts as at least 1 / 1.5 and at most 4 times what would be found.
+    std::vector<double> radii;
+    std::vector<char> is_refined;  ///< Per point: 0 = takes part as a neighbour only, and keeps its normal. Nothing is
+                                   ///< made from such points alone.
     std::vector<char> is_isolated; ///< Per point: 1 = takes no part; others are told by how far their neighbours are.
 };
 
@@ -76,8 +81,9 @@ struct PnRefinement
     int crease_points = 0;
     int hole_points = 0; ///< Points put into holes before the first step; they come next.
     int void_points = 0; ///< Points put into voids between samples, before the first step; they come after those. None
-                         ///< if initial_radius or target_radius are given.
-    int fold_points = 0; ///< Points put into folds that the samples show too sparsely; they come after those.
+                         ///< without steps, or if initial_radius or target_radius are given.
+    int fold_points = 0; ///< Points put into folds that the samples show too sparsely; they come after those. None
+                         ///< without steps.
     int left_out = 0;    ///< Input points that took no part: duplicates, without normal, isolated.
     std::vector<std::pair<std::string, double>> seconds; ///< Per phase.
     std::vector<std::string> warnings;

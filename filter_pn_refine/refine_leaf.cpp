@@ -4,11 +4,12 @@
 #include "kernels.h"
 #include "workspace.h"
 
-#include <recon/errors.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -102,7 +103,7 @@ public:
         }
         catch (...)
         {
-            has_failed_ = true;
+            keep(std::current_exception());
             throw;
         }
         state.store(State::done, std::memory_order_release);
@@ -125,19 +126,35 @@ private:
                 c >= 0 && c < colour)
                 visit(other);
     }
-    void wait_for(int leaf) const
+    void wait_for(int leaf)
     {
         while (states_[std::size_t(leaf)].load(std::memory_order_acquire) != State::done)
         {
             if (has_failed_)
-                throw AlgorithmFailure("Refinement has failed on another thread.");
+                rethrow();
             std::this_thread::yield();
         }
+    }
+    void keep(const std::exception_ptr& failure)
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (!failure_)
+            failure_ = failure;
+        has_failed_ = true;
+    }
+    /// Who waits in vain fails for the same reason: of several failures the caller is told that of the lowest chunk,
+    /// which may be the waiter's.
+    [[noreturn]] void rethrow()
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        std::rethrow_exception(failure_);
     }
 
     const RefineStep& step_;
     std::vector<std::atomic<State>> states_;
     std::atomic<bool> has_failed_{false};
+    std::mutex mutex_;
+    std::exception_ptr failure_; ///< The first.
 };
 
 /// First leaves of stretches of [0, n), and n: long ones first, so that threads seldom meet, short ones last, so that

@@ -59,10 +59,10 @@ Vectors sharpen_normals(const OrientedSamples& samples, const PnRefineOptions& o
     const std::vector<float> spacing = find_spacing(usable.samples, usable.nearest, threads);
     for (int pass = 0; pass < passes; ++pass)
     {
-        progress.part(0.3, 1, "normals").report(double(pass) / passes);
+        progress.part(0.3, 0.8, "normals").report(double(pass) / passes);
         usable.samples.normals = average_on_faces(usable, spacing, threads);
     }
-    if (detect_creases(usable, spacing, crease_angle, threads).samples.points.empty())
+    if (detect_creases(usable, spacing, crease_angle, threads, progress.part(0.8, 1, "normals")).samples.points.empty())
         return samples.normals;
     Vectors normals = samples.normals;
     for (std::size_t i = 0; i < normals.size(); ++i)

@@ -88,27 +88,27 @@ std::vector<int> next_at_position(const UsableSamples& usable)
 
 void update_nearest(UsableSamples& usable, int threads, const Progress& progress)
 {
-    usable.search = std::make_unique<BlockSearch>(usable.samples.points);
+    usable.search = std::make_unique<BlockSearch>(usable.samples.points, threads);
     usable.nearest = find_nearest(usable.samples.points, *usable.search, threads, progress);
 }
 
-std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added, int threads)
+std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added, int threads, const Progress& progress)
 {
     const Points& points = usable.samples.points;
     const NearestTable before = std::move(usable.nearest);
     if (before.count < NearestTable::each)
     {
-        update_nearest(usable, threads);
+        update_nearest(usable, threads, progress);
         return std::vector<char>(points.size(), 1);
     }
-    usable.search = std::make_unique<BlockSearch>(points);
+    usable.search = std::make_unique<BlockSearch>(points, threads);
     NearestTable& table = usable.nearest;
     table.count = before.count;
     table.index.resize(points.size() * std::size_t(table.count));
     const Points added(points.begin() + std::ptrdiff_t(first_added), points.end());
     const NeighbourSearch added_search(added);
     std::vector<char> is_changed(points.size(), 1);
-    parallel_for(points.size(), threads, {},
+    parallel_for(points.size(), threads, progress,
                  [&](std::size_t i)
                  {
                      int* const row = table.index.data() + i * std::size_t(table.count);
@@ -144,7 +144,7 @@ void choose_usable_samples(const OrientedSamples& input, const std::vector<char>
                            double crease_angle, int threads, const Progress& progress, UsableSamples& usable)
 {
     const double same = std::cos(crease_angle);
-    const SpatialOrder places = order_input(input.points);
+    const SpatialOrder places = order_input(input.points, threads);
     std::vector<int> end(places.order.size(), 0), points(input.points.size()); // points place by place, ascending
     for (int place : places.representative)
         ++end[std::size_t(place)];
@@ -195,6 +195,7 @@ void choose_usable_samples(const OrientedSamples& input, const std::vector<char>
     usable.beside.resize(usable.input.size());
     std::iota(usable.beside.begin(), usable.beside.end(), 0);
     usable.is_crease.assign(usable.input.size(), 0);
+    usable.is_frozen.assign(usable.input.size(), 0);
     for (std::size_t i = 0; i < usable.input.size(); ++i)
         if (const auto first = std::size_t(usable.sharing[i]); first != i)
             usable.is_crease[i] = usable.is_crease[first] = 1;

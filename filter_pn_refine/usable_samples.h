@@ -27,6 +27,8 @@ struct UsableSamples
     std::vector<int> sharing;
     std::vector<int> beside;     ///< Per sample that was put in: another near it. Itself for those of the input.
     std::vector<char> is_crease; ///< Per sample: shares its position with another.
+    /// Per sample: takes part as a neighbour only. Of samples that were put in: those all of whose parents do.
+    std::vector<char> is_frozen;
     std::unique_ptr<BlockSearch> search; ///< Among the samples.
     NearestTable nearest;                ///< Of the samples.
     int duplicates = 0, without_normal = 0, isolated = 0;
@@ -34,8 +36,8 @@ struct UsableSamples
 
 /// Takes all but points without a normal, further points at one position whose normals differ by at most `crease_angle`
 /// [radians] from one already there, and isolated points: those far from their neighbours compared with how far those
-/// are from theirs. \param is_isolated per point, whether it is known to be isolated; empty: nothing is known.
-/// \pre `usable` is empty.
+/// are from theirs. None is frozen. \param is_isolated per point, whether it is known to be isolated; empty: nothing is
+/// known. \pre `usable` is empty.
 void choose_usable_samples(const OrientedSamples& input, const std::vector<char>& is_isolated, const UnitFrame& frame,
                            double crease_angle, int threads, const Progress& progress, UsableSamples& usable);
 
@@ -53,6 +55,7 @@ void update_nearest(UsableSamples& usable, int threads, const Progress& progress
 
 /// The same after samples have been added from `first_added` on; rows of the table that they do not touch are kept.
 /// \returns per sample whether an added one is near enough to change its fan.
-std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added, int threads);
+std::vector<char> add_to_nearest(UsableSamples& usable, std::size_t first_added, int threads,
+                                 const Progress& progress = {});
 
 } // namespace recon::pn

@@ -30,9 +30,8 @@ class VoidFinder
 {
 public:
     VoidFinder(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing, double slack,
-               const Mouths* mouths, const std::function<bool(std::size_t)>& may_start)
-        : usable_(usable), samples_(usable.samples), fans_(fans), spacing_(spacing), slack_(slack), mouths_(mouths),
-          may_start_(may_start)
+               const Mouths* mouths)
+        : usable_(usable), samples_(usable.samples), fans_(fans), spacing_(spacing), slack_(slack), mouths_(mouths)
     {
     }
 
@@ -62,7 +61,7 @@ private:
 
     bool is_inner(std::size_t i) const
     {
-        return fans_.widest_gap[i] < closed && !usable_.is_crease[i] && may_start_(i);
+        return fans_.widest_gap[i] < closed && !usable_.is_crease[i] && !usable_.is_frozen[i];
     }
 
     double usual_spacing(const std::array<int, 3>& corners) const
@@ -126,7 +125,6 @@ private:
     const std::vector<float>& spacing_;
     const double slack_;
     const Mouths* mouths_;
-    const std::function<bool(std::size_t)>& may_start_;
 };
 
 /// Leaves out proposals whose triangles lie side by side in rows longer than chance makes them: bays of a rim and
@@ -162,10 +160,9 @@ std::vector<ProposedSample> leave_out_slits(std::vector<ProposedSample> proposed
 } // namespace
 
 AddedSamples sample_voids(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, const Mouths* mouths, const std::function<bool(std::size_t)>& may_start,
-                          int threads, const Progress& progress)
+                          double slack, const Mouths* mouths, int threads, const Progress& progress)
 {
-    const VoidFinder finder(usable, fans, spacing, slack, mouths, may_start);
+    const VoidFinder finder(usable, fans, spacing, slack, mouths);
     std::vector<ProposedSample> found = parallel_collect<ProposedSample>(
         usable.samples.points.size(), threads, progress,
         [&](std::size_t i, std::vector<ProposedSample>& proposed) { finder.look_around(i, proposed); }, 64);

@@ -7,7 +7,6 @@
 
 #include <recon/progress.h>
 
-#include <functional>
 #include <vector>
 
 namespace recon::pn
@@ -15,12 +14,10 @@ namespace recon::pn
 
 /// Samples put into voids, as random samples leave them: the centres of triangles of the fans whose circles are wide
 /// against the usual distance between samples. A step puts as much into a void as between samples that lie as usual, so
-/// that in spacings it would stay as wide for a step or two. None at rims, in folds, beside creases and where normals
-/// say that the surface may do anything between the corners. \param spacing per sample, the usual distance around it.
-/// \param slack as of move_onto_sample_surface(). \param mouths may be null. \param may_start which samples may be
-/// corners.
+/// that in spacings it would stay as wide for a step or two. None at rims, in folds, beside creases where normals
+/// say that the surface may do anything between the corners, and where one of these is frozen. \param spacing per
+/// sample, the usual distance around it. \param slack as of move_onto_sample_surface(). \param mouths may be null.
 AddedSamples sample_voids(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
-                          double slack, const Mouths* mouths, const std::function<bool(std::size_t)>& may_start,
-                          int threads, const Progress& progress);
+                          double slack, const Mouths* mouths, int threads, const Progress& progress);
 
 } // namespace recon::pn

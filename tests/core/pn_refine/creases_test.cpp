@@ -257,6 +257,17 @@ TEST(Creases, LieAsDenselyAsTheSamplesAroundThem)
     EXPECT_GT(sparse, 4 * 2 * 5);
 }
 
+TEST(Creases, FollowEachOtherInSpace)
+{
+    // Else each search among the samples takes longer.
+    const PnRefinement refined = refine_points(shapes::box(20000, Vector(2, 2, 2), 5), one_thread(0));
+    ASSERT_GT(refined.crease_points, 1000);
+    double way = 0;
+    for (std::size_t i = 1; i < std::size_t(refined.crease_points); ++i)
+        way += (refined.points[i] - refined.points[i - 1]).norm();
+    EXPECT_LT(way, 4 * 12 * 2); // four times the edges
+}
+
 TEST(Creases, AreDetectedFromNormals)
 {
     const OrientedSamples samples = shapes::box(4000, Vector(2, 2, 2), 5); // none on the edges

@@ -4,6 +4,7 @@
 
 #include "tests/shapes.h"
 
+#include <recon/errors.h>
 #include <recon/neighbours.h>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 namespace
 {
@@ -123,6 +125,37 @@ TEST(Holes, AreFilledSmoothlyOnDemandOnly)
     EXPECT_LT(gap, 3.5 * std::sqrt(12.566 / double(all.size())));
     options.max_points = int(open.points.size());
     EXPECT_EQ(refine_points(open, options).points.size(), 0u);
+}
+
+TEST(Holes, CanBeCancelledWhileTheyAreFilled)
+{
+    OrientedSamples open;
+    for (const Point& p : shapes::sphere_below(0.8, 6000, 1, 2))
+    {
+        open.points.push_back(p);
+        open.normals.push_back(p.normalized());
+    }
+    PnRefineOptions options = one_thread(1);
+    options.hole_radius = 0.6;
+    int calls = 0, stop = 1 << 30;
+    double last = 0;
+    const auto look = [&](double fraction, const std::string& phase)
+    {
+        EXPECT_GE(fraction, last);
+        last = fraction;
+        calls += phase == "holes";
+        return calls < stop;
+    };
+    EXPECT_GT(refine_points(open, options, {}, Progress(look)).hole_points, 50);
+    ASSERT_GT(calls, 30); // most of them from the refinement of few samples
+    for (const int at : {3, calls / 2, calls - 2})
+    {
+        calls = 0;
+        last = 0;
+        stop = at;
+        EXPECT_THROW(refine_points(open, options, {}, Progress(look)), Cancelled) << at;
+        EXPECT_EQ(calls, at);
+    }
 }
 
 TEST(Normals, FlippedOnesAreFoundAndTurned)

@@ -154,8 +154,8 @@ TEST(Folds, NothingIsPutAtTheRimOfAnOpenSheet)
             hemisphere.points.push_back(p);
             hemisphere.normals.push_back(ball.normals[i]);
         }
-        EXPECT_EQ(refine_points(square, one_thread(0)).fold_points, 0) << seed;
-        EXPECT_EQ(refine_points(hemisphere, one_thread(0)).fold_points, 0) << seed;
+        EXPECT_EQ(refine_before_steps(square).fold_points, 0) << seed;
+        EXPECT_EQ(refine_before_steps(hemisphere).fold_points, 0) << seed;
     }
 }
 
@@ -175,7 +175,7 @@ TEST(Folds, TipsEndNearTheSamples)
             cone.normals.emplace_back(std::cos(a) * std::cos(slope), std::sin(a) * std::cos(slope), std::sin(slope));
             top = std::max(top, z);
         }
-        const PnRefinement refined = refine_points(cone, one_thread(0));
+        const PnRefinement refined = refine_before_steps(cone);
         ASSERT_GT(refined.fold_points, 0);
         double highest = -1;
         for (const Point& p : refined.points)
@@ -192,7 +192,7 @@ TEST(Folds, AreLeftOpenWhereNothingIsRefined)
     PnRefineHints hints;
     for (const Point& p : samples.points)
         hints.is_refined.push_back(p.x() > 0);
-    const PnRefinement refined = refine_points(samples, one_thread(0), hints);
+    const PnRefinement refined = refine_before_steps(samples, hints);
     EXPECT_GT(refined.fold_points, 0);
     for (const Point& p : refined.points)
         EXPECT_GT(p.x(), -0.25);
@@ -201,17 +201,18 @@ TEST(Folds, AreLeftOpenWhereNothingIsRefined)
 TEST(Folds, StayOpenWherePointsAreLimited)
 {
     const OrientedSamples samples = shapes::ellipsoid(1000, {1, 1, 0.06}, 2);
-    PnRefineOptions options = one_thread(0);
-    options.max_points = int(samples.points.size() + refine_points(samples, options).points.size());
+    PnRefineOptions options = one_thread(1);
+    options.max_points = int(samples.points.size() + refine_before_steps(samples).points.size());
     EXPECT_GT(refine_points(samples, options).fold_points, 0);
     options.max_points = int(samples.points.size());
     EXPECT_EQ(refine_points(samples, options).points.size(), 0u);
+    EXPECT_EQ(refine_points(samples, one_thread(0)).points.size(), 0u);
 }
 
 TEST(Folds, TakeTheirAttributesFromSamplesAround)
 {
     const OrientedSamples samples = shapes::ellipsoid(1000, {1, 1, 0.06}, 2);
-    const PnRefinement refined = refine_points(samples, one_thread(0));
+    const PnRefinement refined = refine_before_steps(samples);
     ASSERT_GT(refined.fold_points, 0);
     std::vector<double> x;
     for (const Point& p : samples.points)

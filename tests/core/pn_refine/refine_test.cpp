@@ -14,6 +14,10 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <numeric>
+#include <set>
+#include <string>
+#include <utility>
 
 namespace
 {
@@ -243,6 +247,33 @@ TEST(RefinePoints, TheOrderOfTheInputDoesNotMatter)
     EXPECT_TRUE(same_bits(radii, other.input_radii));
 }
 
+TEST(RefinePoints, NorDoesItWhereCoordinatesAreEqual)
+{
+    OrientedSamples grid;
+    for (int x = 0; x < 60; ++x)
+        for (int y = 0; y < 60; ++y)
+        {
+            grid.points.emplace_back(x, y, 1.2 * std::sin(0.3 * x) * std::cos(0.25 * y));
+            const double along_x = 0.36 * std::cos(0.3 * x) * std::cos(0.25 * y),
+                         along_y = -0.3 * std::sin(0.3 * x) * std::sin(0.25 * y);
+            grid.normals.push_back(Vector(-along_x, -along_y, 1).normalized());
+        }
+    std::vector<std::size_t> order(grid.points.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    shapes::Random random(3);
+    for (std::size_t i = order.size(); i > 1; --i)
+        std::swap(order[i - 1], order[std::size_t(shapes::uniform(random) * double(i))]);
+    OrientedSamples shuffled;
+    for (const std::size_t i : order)
+    {
+        shuffled.points.push_back(grid.points[i]);
+        shuffled.normals.push_back(grid.normals[i]);
+    }
+    const PnRefinement one = refine_points(grid, one_thread(3)), other = refine_points(shuffled, one_thread(3));
+    EXPECT_TRUE(same_bits(one.points, other.points));
+    EXPECT_TRUE(same_bits(one.normals, other.normals));
+}
+
 TEST(RefinePoints, FarFromTheOriginAndAtExtremeScalesTheResultIsTheSame)
 {
     const OrientedSamples samples = shapes::sphere(800, 1, 5);
@@ -349,6 +380,18 @@ TEST(RefinePoints, NoStepBeyondTheLargestNumberOfPoints)
     EXPECT_NE(refined.warnings[0].find("6000"), std::string::npos);
 }
 
+TEST(RefinePoints, CreasesCountToTheLargestNumberOfPoints)
+{
+    const OrientedSamples cube = shapes::box(3000, Vector(2, 2, 2), 5);
+    PnRefineOptions options = one_thread(1);
+    options.max_points = 3000;
+    EXPECT_EQ(refine_points(cube, options).points.size(), 0u);
+    options.max_points = 3000 + refine_points(cube, one_thread(1)).crease_points;
+    const PnRefinement refined = refine_points(cube, options);
+    EXPECT_GT(refined.crease_points, 0);
+    EXPECT_EQ(3000 + int(refined.points.size()), options.max_points);
+}
+
 TEST(RefinePoints, GivenRadiiAreUsedWithinReason)
 {
     const OrientedSamples samples = shapes::sphere(1000, 1, 11);
@@ -364,6 +407,14 @@ TEST(RefinePoints, GivenRadiiAreUsedWithinReason)
     const PnRefinement chosen = refine_points(samples, options);
     EXPECT_LT(shapes::rms(chosen.points, [](const Point& p) { return shapes::distance_to_sphere(p, 1); }), 1e-3);
     EXPECT_GT(chosen.points.size(), 500u);
+    // Beyond the cloud no point has all others around it: that would take the square of the time.
+    options.initial_radius = 2;
+    const PnRefinement wild = refine_points(samples, options);
+    options.initial_radius = 1e9;
+    EXPECT_TRUE(same_bits(wild.points, refine_points(samples, options).points));
+    EXPECT_TRUE(checks::says(wild.warnings, "initial radius is too large"));
+    EXPECT_FALSE(checks::says(chosen.warnings, "initial radius"));
+    EXPECT_LT(wild.steps[0].largest_radius, 1.8);
 }
 
 TEST(RefinePoints, ProgressRisesToTheEndAndCancels)
@@ -390,6 +441,30 @@ TEST(RefinePoints, ProgressRisesToTheEndAndCancels)
                      Cancelled)
             << stop;
     }
+}
+
+TEST(RefinePoints, EveryPreparationTellsThatItGoesOn)
+{
+    std::set<std::string> phases;
+    PnRefineOptions options = one_thread(1);
+    options.hole_radius = 0.5;
+    OrientedSamples open; // above
+    const OrientedSamples cube = shapes::box(3000, Vector(2, 2, 2), 5);
+    for (std::size_t i = 0; i < cube.points.size(); ++i)
+        if (cube.points[i].z() < 1 || cube.points[i].head<2>().norm() > 0.4)
+        {
+            open.points.push_back(cube.points[i]);
+            open.normals.push_back(cube.normals[i]);
+        }
+    refine_points(open, options, {},
+                  Progress(
+                      [&](double, const std::string& phase)
+                      {
+                          phases.insert(phase);
+                          return true;
+                      }));
+    for (const char* phase : {"choosing points", "normals", "creases", "radii", "mouths", "holes", "voids", "folds"})
+        EXPECT_EQ(phases.count(phase), 1u) << phase;
 }
 
 TEST(RefinePoints, WarnsOfNormalsThatContradictThePoints)
