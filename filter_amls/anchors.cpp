@@ -212,4 +212,15 @@ AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int 
     return choice;
 }
 
+std::vector<int> thin_anchors(const std::vector<int>& anchors, const std::vector<double>& widths,
+                              const CellNormals& normals)
+{
+    HeaviestOfVoxels voxels(anchors.size());
+    for (std::size_t a = 0; a < anchors.size(); ++a)
+        voxels.add(int(a), normals.feet[anchors[a]], VoxelTable::level_of(fine_edge * widths[a]),
+                   normals.mass[anchors[a]]);
+    std::sort(voxels.items.begin(), voxels.items.end());
+    return voxels.items;
+}
+
 } // namespace recon

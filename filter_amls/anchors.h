@@ -24,4 +24,10 @@ struct AnchorChoice
 /// cell.
 AnchorChoice choose_anchors(const Cells& cells, const CellNormals& normals, int threads);
 
+/// Anchors chosen for the widths of their cells thinned to one per voxel of half a width again, where `widths` are
+/// larger: else the time of wide fits would grow with the square of the number of points.
+/// \returns positions in `anchors`, ascending.
+std::vector<int> thin_anchors(const std::vector<int>& anchors, const std::vector<double>& widths,
+                              const CellNormals& normals);
+
 } // namespace recon

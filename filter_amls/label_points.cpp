@@ -309,7 +309,9 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     if (exact.is_settled || violated <= suspicious_votes)
         return exact;
     times.begin("mismatch");
-    const double mismatch = measure_mismatch(exact, points, labelling.threads);
+    // Without copies, which would leave points without a spacing.
+    const Points distinct = points_at(surface.data().spatial.order, points);
+    const double mismatch = measure_mismatch(exact, distinct, labelling.threads);
     const bool has_lost_sheets =
         violated > open_behind &&
         find_lost_sheets(exact.samples, exact.labelled, false, labelling.threads).largest > bearable_lost;
@@ -322,7 +324,7 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     const bool is_better = has_lost_sheets && projected.lost_sheets > 0
                                ? projected.labelled.violated_votes <= clearly_backed * violated
                                : projected.labelled.violated_votes < violated &&
-                                     measure_mismatch(projected, points, labelling.threads) < mismatch;
+                                     measure_mismatch(projected, distinct, labelling.threads) < mismatch;
     return is_better ? std::move(projected) : std::move(exact);
 }
 

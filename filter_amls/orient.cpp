@@ -461,9 +461,10 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     const int n = int(points.size());
     const Balls balls = make_balls(points, normals, spacing, threads, progress.part(0, 0.6, "Delaunay triangulation"));
     const Triangulation& t = balls.delaunay;
-    progress.part(0.6, 0.9, "Orientation").report(0);
+    const Progress sides = progress.part(0.6, 1, "Orientation");
+    sides.report(0);
     BallLabels labels = label(balls, list_ties(balls, points, normals, nullptr, threads), threads);
-    progress.part(0.9, 1, "Orientation").report(0);
+    sides.report(0.4);
 
     Orientation result;
     result.contradicted = labels.contradicted;
@@ -479,6 +480,7 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
         for (const int v : ground->members)
             grounded.is_ground[v] = 1;
         labels = label(balls, list_ties(balls, points, normals, &grounded, threads), threads);
+        sides.report(0.6);
         result.contradicted = labels.contradicted;
         vote = ask_balls(balls, points, normals, labels.side, threads);
         for (const int v : ground->members)
@@ -486,12 +488,14 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
         result.normals = turn_by(vote, normals);
     }
     settle_votes(t, points, vote, spacing, threads, result.normals);
+    sides.report(0.7);
     result.open |= turn_patches(t, points, spacing, ground.has_value(), result.normals, threads) > bent_back;
-
+    sides.report(0.8);
     result.is_closed =
         result.open ? turn_closed_pieces(t, points, spacing, result.normals) : std::vector<char>(points.size(), 0);
     if (!ground)
         turn_outward(points, spacing, result.open, result.is_closed, result.normals);
+    sides.report(0.9);
     result.poles = select_poles(t, points, normals, spacing, balls.outer, balls.inner);
     return result;
 }

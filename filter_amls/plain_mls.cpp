@@ -54,7 +54,11 @@ public:
             Vector move;
             result.neighbours[i] = find_step(x, f, move, normal);
             if (result.neighbours[i] == 0)
+            {
+                x = start;
+                normal = samples_.normals[search_.nearest(start)];
                 break;
+            }
             const double length = move.norm(), limit = options_.largest_step * f;
             if (!(length <= limit))
                 move *= limit / length;

@@ -39,7 +39,8 @@ struct PlainMlsProjection
     Vectors normals; ///< Unit gradient of I; for VMLS and PMLS n(x).
     std::vector<char> converged;
     std::vector<int> iterations; ///< [count]
-    std::vector<int> neighbours; ///< Samples that counted in the last step [count].
+    std::vector<int> neighbours; ///< Samples that counted in the last step [count]. 0: the point is where it was, with
+                                 ///< the normal of the nearest sample, since there were none around it.
 };
 
 /// Projects `queries` onto the plain surface of `samples`.

@@ -70,11 +70,14 @@ plugin::ParameterTable<ProjectionFilterOptions> projection_table()
         .choice("weights", &Options::weights, {"anchors with curvature", "paper's normalised I", "paper's plain N"},
                 "Weights",
                 "anchors with curvature: small quadrics fitted to the points. paper's normalised I, paper's plain N: "
-                "the functions of the paper over all points, with a much smaller domain of convergence for N.")
+                "the functions of the paper over all points, with a much smaller domain of convergence for N. With "
+                "these two neither noise nor outliers are looked for, and the result has no values of cells and "
+                "anchors.")
         .count("max_iterations", &Options::max_iterations, "Iterations",
                "Newton steps per point. 0: 6, or 30 for the paper's.")
         .number("tolerance", &Options::tolerance, "Tolerance",
-                "A point has converged when a step is shorter than this share of the local spacing of the points.")
+                "A point has converged when a step is shorter than this share of the local spacing of the points; for "
+                "the paper's weights when its error is below a tenth of it in widths.")
         .number("cut_off", &Options::cut_off, "Cut-off",
                 "What is farther than this many widths does not count. 0: 2.2 for anchors (at most 2.8), 5 for the "
                 "paper's.")
@@ -103,7 +106,7 @@ struct Projected
     double iterations = 0, neighbours = 0; // means
 };
 
-Projected project_to_anchors(const Points& queries, const Points& defining, const Vectors& normals,
+Projected project_to_anchors(const Points& queries, const Points& defining, const Vectors& normals, bool foreign_points,
                              const ProjectionFilterOptions& options, const recon::Progress& progress,
                              plugin::FilterResult& result)
 {
@@ -111,7 +114,7 @@ Projected project_to_anchors(const Points& queries, const Points& defining, cons
     recon::AmlsProjectionOptions how;
     how.threads = options.surface.threads;
     how.tolerance = options.tolerance;
-    how.foreign_points = !options.surface_layer.empty();
+    how.foreign_points = foreign_points;
     if (options.max_iterations != 0)
         how.max_iterations = options.max_iterations;
     if (options.cut_off != 0)
@@ -161,7 +164,7 @@ Projected project_to_paper(const Points& queries, const Points& defining, const 
     how.threads = options.surface.threads;
     how.surface =
         options.weights == Weights::paper_plain ? recon::PlainSurface::plain_n : recon::PlainSurface::normalised;
-    if (options.surface.rho_e > 0)
+    if (options.surface.rho_e != 0)
         how.rho_e = options.surface.rho_e;
     how.tolerance = options.tolerance * 0.1;
     if (options.max_iterations != 0)
@@ -175,7 +178,9 @@ Projected project_to_paper(const Points& queries, const Points& defining, const 
     Projected projected;
     for (std::size_t i = 0; i < queries.size(); ++i)
     {
-        projected.status.push_back(moved.converged[i] ? ProjectionStatus::converged : ProjectionStatus::not_converged);
+        projected.status.push_back(moved.neighbours[i] == 0 ? ProjectionStatus::too_far
+                                   : moved.converged[i]     ? ProjectionStatus::converged
+                                                            : ProjectionStatus::not_converged);
         projected.iterations += moved.iterations[i] / double(queries.size());
         projected.neighbours += moved.neighbours[i] / double(queries.size());
     }
@@ -187,12 +192,15 @@ Projected project_to_paper(const Points& queries, const Points& defining, const 
 plugin::FilterResult project_points(const plugin::InputLayer& layer, const ProjectionFilterOptions& options,
                                     const recon::Progress& progress)
 {
+    if (options.max_iterations < 0)
+        throw recon::InvalidInput("The number of iterations must be 0 (automatic) or more.");
     const std::vector<int> used = plugin::vertices_to_use(layer, options.selected_only);
     const Points queries = plugin::pick(layer.points, used);
+    const bool foreign_points = !options.surface_layer.empty() && options.surface_layer != layer.name;
     plugin::InputLayer other;
-    if (!options.surface_layer.empty())
+    if (foreign_points)
         other = layer.find_layer(options.surface_layer);
-    const plugin::InputLayer& defining = options.surface_layer.empty() ? layer : other;
+    const plugin::InputLayer& defining = foreign_points ? other : layer;
     Vectors normals;
     if (options.normals == NormalSource::layer)
     {
@@ -203,9 +211,10 @@ plugin::FilterResult project_points(const plugin::InputLayer& layer, const Proje
     }
 
     plugin::FilterResult result;
-    Projected projected = options.weights == Weights::anchors
-                              ? project_to_anchors(queries, defining.points, normals, options, progress, result)
-                              : project_to_paper(queries, defining.points, normals, options, progress, result);
+    Projected projected =
+        options.weights == Weights::anchors
+            ? project_to_anchors(queries, defining.points, normals, foreign_points, options, progress, result)
+            : project_to_paper(queries, defining.points, normals, options, progress, result);
 
     const auto count = [&](ProjectionStatus wanted)
     { return int(std::count(projected.status.begin(), projected.status.end(), wanted)); };
@@ -221,8 +230,7 @@ plugin::FilterResult project_points(const plugin::InputLayer& layer, const Proje
     result.changed.vertices = used;
     result.changed.points = std::move(projected.points);
     result.changed.normals = std::move(projected.normals);
-    if (!options.remove_outliers || options.select_not_converged)
-        result.changed.selected = std::move(selected);
+    result.changed.selected = std::move(selected);
     result.values.emplace_back("points_projected",
                                int(std::count_if(projected.status.begin(), projected.status.end(), recon::is_moved)));
     result.values.emplace_back("outliers", count(ProjectionStatus::outlier));

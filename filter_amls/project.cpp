@@ -284,6 +284,50 @@ AmlsProjection project_in_frame(const AmlsSurface::Data& data, const Points& uni
     return sorted;
 }
 
+namespace
+{
+
+/// The cells among which that of a point is sought. Outliers among the samples have none to give to points that are not
+/// of the samples.
+class SearchedCells
+{
+public:
+    SearchedCells(const AmlsSurface::Data& data, bool without_outliers, int threads) : search_(&data.cell_search)
+    {
+        const auto is_sound = [&](CellKind kind) { return kind != CellKind::outlier; };
+        const std::vector<CellKind>& kinds = data.cell_normals.kinds;
+        if (!without_outliers || std::all_of(kinds.begin(), kinds.end(), is_sound) ||
+            std::none_of(kinds.begin(), kinds.end(), is_sound))
+            return;
+        Points means;
+        for (int c = 0; c < data.cells.size(); ++c)
+            if (is_sound(kinds[c]))
+            {
+                cells_.push_back(c);
+                means.push_back(data.cells.means[c]);
+            }
+        sound_ = BlockSearch(means, threads);
+        search_ = &sound_;
+    }
+    SearchedCells(const SearchedCells&) = delete;
+
+    /// \param reach a guess that the search improves, 0 at first.
+    int nearest(const Point& p, double& reach) const
+    {
+        int found = 0;
+        double squared = 0;
+        search_->nearest(p, 1, &found, &squared, reach);
+        return cells_.empty() ? found : cells_[found];
+    }
+
+private:
+    std::vector<int> cells_; ///< Of `sound_`; empty: all.
+    BlockSearch sound_;
+    const BlockSearch* search_;
+};
+
+} // namespace
+
 AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface, const AmlsProjectionOptions& options,
                                const Progress& progress)
 {
@@ -296,9 +340,7 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
         throw InvalidInput("The cut-off must lie between 0 and 2.8 widths.");
     const int threads = resolve_threads(options.threads);
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (!points[i].allFinite())
-            throw InvalidInput("Vertex " + std::to_string(i) +
-                               " has a coordinate that is not a finite number. Delete such vertices first.");
+        check_finite(points[i], i);
     const AmlsSurface::Data& data = surface.data();
     const std::size_t n = points.size();
 
@@ -313,14 +355,15 @@ AmlsProjection project_to_amls(const Points& points, const AmlsSurface& surface,
     {
         moved.resize(m);
         nearest_cell.resize(m);
+        const SearchedCells searched(data, options.foreign_points, threads);
         parallel_chunks(m, threads, 4096, progress.part(0, 0.2, "Projection"),
                         [&](std::size_t begin, std::size_t end)
                         {
-                            double squared = 0, reach = 0;
+                            double reach = 0;
                             for (std::size_t i = begin; i < end; ++i)
                             {
                                 moved[i] = data.frame.to_unit(points[spatial.order[i]]);
-                                data.cell_search.nearest(moved[i], 1, &nearest_cell[i], &squared, reach);
+                                nearest_cell[i] = searched.nearest(moved[i], reach);
                             }
                         });
     }

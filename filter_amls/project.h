@@ -16,7 +16,7 @@ struct AmlsProjectionOptions
 {
     int max_iterations = 6; ///< Newton steps per point [count], >= 1.
     double tolerance = 0.1; ///< A point has converged when a step is below this [local spacing], > 0, or 1e-5 widths.
-    double cut_off = 2.2;   ///< Anchors farther than this do not count [widths], > 0.
+    double cut_off = 2.2;   ///< Anchors farther than this do not count [0.85 widths], > 0 and at most the root of 8.
     /// The points are not those of which the surface was made, so they may lie farther from it than noise explains.
     bool foreign_points = false;
     /// Anchors that face another way than the surface at the point must agree with it more closely: errors at bends and

@@ -2,6 +2,7 @@
 
 #include "label_points.h"
 #include "smooth_mesh.h"
+#include "surface_data.h"
 
 #include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
@@ -67,6 +68,12 @@ void draw_closings_taut(Attempt& attempt, int threads)
         }
 }
 
+/// What a mesh is compared with: copies would leave points without a spacing, and the order of the input chance.
+Points list_distinct(const Points& points, const AmlsSurface& surface)
+{
+    return points_at(surface.data().spatial.order, points);
+}
+
 bool has_lids(const Attempt& attempt, const TriangleMesh& crust, int threads)
 {
     return measure_bare_area(attempt.found.samples, crust, threads) > bare_lid;
@@ -91,7 +98,8 @@ bool seems_filled(const Points& points, const Attempt& attempt, int threads)
 
 Mismatch measure_mismatch(const Points& points, const Attempt& attempt, int threads)
 {
-    return measure_mismatch(attempt.found.frame.to_unit(points), crust_of(attempt), threads);
+    return measure_mismatch(attempt.found.frame.to_unit(list_distinct(points, attempt.surface)), crust_of(attempt),
+                            threads);
 }
 
 /// The crust of the attempt's labels, on its surface.
@@ -189,7 +197,8 @@ WallSearch look_for_walls(const Points& points, const AmlsReconstructionOptions&
         const TriangleMesh crust = crust_of(*last);
         if (!has_lids(*last, crust, threads))
             return {std::move(last)};
-        const double missed = measure_missed_points(last->found.frame.to_unit(points), crust, threads);
+        const double missed =
+            measure_missed_points(last->found.frame.to_unit(list_distinct(points, last->surface)), crust, threads);
         if (finds_no_walls(before, {missed, last->found.labelled.violated_votes}))
             return {{}, true};
         if (missed > barely_less * before.missed)

@@ -146,15 +146,12 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
                                              progress.part(0, 0.5, "Orientation"));
     if (orientation.open && terrain_faces_up && faces_down(landmarks, orientation, choice.landmark_spacing))
         turn_over(orientation.normals, orientation.is_closed);
-    if (!given_normals.empty())
-    {
-        orient_by_given(data.cells, points_at(data.spatial.order, given_normals), normals.normals);
-        return orientation;
-    }
     orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
-    if (const auto better = find_sides_of_thin_walls(data.points, data.cells, normals.normals, orientation.contradicted,
-                                                     orientation.open, *data.crust, threads,
-                                                     progress.part(0.5, 1, "Sides of thin walls")))
+    if (!given_normals.empty()) // cells of which none says anything keep the sides found
+        orient_by_given(data.cells, points_at(data.spatial.order, given_normals), normals.normals);
+    else if (const auto better = find_sides_of_thin_walls(data.points, data.cells, normals.normals,
+                                                          orientation.contradicted, orientation.open, *data.crust,
+                                                          threads, progress.part(0.5, 1, "Sides of thin walls")))
     {
         orient_by_given(data.cells, *better, normals.normals);
         orientation.open = false;
@@ -170,45 +167,55 @@ struct AnchorStarts
 };
 
 /// \param rho_e 0 = widths stay what the cells say; else these follow.
-AnchorStarts choose_starts(AmlsSurface::Data& data, const std::vector<int>& anchors, const Points& poles, double rho_e,
+AnchorStarts choose_starts(AmlsSurface::Data& data, std::vector<int> anchors, const Points& poles, double rho_e,
                            int threads)
 {
     Cells& cells = data.cells;
     const CellNormals& normals = data.cell_normals;
-    Points feet;
     std::vector<double> widths;
     for (const int c : anchors)
-    {
-        feet.push_back(normals.feet[c]);
         widths.push_back(cells.scales[c].width);
-        data.anchor_spacing.push_back(std::max(widths.back() * fine_spacing, 1 / std::sqrt(cells.scales[c].density)));
-    }
     // Without rho_e the feature size only serves the report.
     const std::size_t stride = rho_e > 0 ? 1 : std::max<std::size_t>(1, anchors.size() / reported_sizes);
     Points asked;
     for (std::size_t a = 0; a < anchors.size(); a += stride)
-        asked.push_back(feet[a]);
+        asked.push_back(normals.feet[anchors[a]]);
     FeatureSizeOptions feature_options;
     feature_options.threads = threads;
     const std::vector<double> feature_size = measure_feature_size(asked, poles, feature_options);
     if (rho_e > 0)
-    {
         for (std::size_t a = 0; a < anchors.size(); ++a)
-            widths[a] = std::clamp(rho_e * feature_size[a] / rho_per_width,
-                                   narrowest_spacings / std::sqrt(cells.scales[anchors[a]].density), widest);
-        const NeighbourSearch feet_search(feet);
-        parallel_for(
-            std::size_t(cells.size()), threads, {},
-            [&](std::size_t c) { cells.scales[c].width = widths[feet_search.nearest(normals.feet[c])]; }, 1024);
-    }
+            widths[a] = std::min(std::max(rho_e * feature_size[a] / rho_per_width,
+                                          narrowest_spacings / std::sqrt(cells.scales[anchors[a]].density)),
+                                 widest);
     std::vector<double> equivalent;
     for (std::size_t i = 0; i < asked.size(); ++i)
         if (std::isfinite(feature_size[i]))
             equivalent.push_back(rho_per_width * widths[i * stride] / feature_size[i]);
     AnchorStarts result;
     result.median_rho_e = median(std::move(equivalent));
+    if (rho_e > 0)
+    {
+        std::vector<int> kept;
+        std::vector<double> kept_widths;
+        for (const int a : thin_anchors(anchors, widths, normals))
+        {
+            kept.push_back(anchors[a]);
+            kept_widths.push_back(widths[a]);
+        }
+        anchors = std::move(kept);
+        widths = std::move(kept_widths);
+        const NeighbourSearch search(points_at(anchors, normals.feet));
+        parallel_for(
+            std::size_t(cells.size()), threads, {},
+            [&](std::size_t c) { cells.scales[c].width = widths[search.nearest(normals.feet[c])]; }, 1024);
+    }
     for (std::size_t a = 0; a < anchors.size(); ++a)
-        result.starts.push_back({feet[a], normals.normals[anchors[a]], widths[a], cells.scales[anchors[a]].sigma});
+    {
+        const int c = anchors[a];
+        data.anchor_spacing.push_back(std::max(widths[a] * fine_spacing, 1 / std::sqrt(cells.scales[c].density)));
+        result.starts.push_back({normals.feet[c], normals.normals[c], widths[a], cells.scales[c].sigma});
+    }
     return result;
 }
 
@@ -295,6 +302,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         orient(*data, choice, given_normals, !options.for_crust, threads, progress.part(0.35, 0.85));
 
     times.begin("fit");
+    progress.part(0.85, 0.95, "Fit").report(0);
     const AnchorStarts anchors = choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, threads);
     const FitSamples samples = list_fit_samples(*data, threads);
     const double robust_scale = choose_robust_scale(samples, anchors.starts, threads);
@@ -314,6 +322,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         projection.sharp = data->sharp = !options.for_crust;
         data->projected = project_in_frame(*data, data->points, cells.cell_of_point, projection, threads,
                                            progress.part(0.95, 1, "Residuals"));
+        progress.part(0.95, 1, "Residuals").report(1);
         data->residuals = measure_residuals_in_passes(*data, data->projected, threads);
     }
     times.end();

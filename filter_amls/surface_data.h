@@ -46,8 +46,13 @@ struct AmlsSurface::Data
         if (queries.size() != spatial.representative.size())
             return false;
         for (std::size_t i = 0; i < queries.size(); ++i)
-            if (frame.to_unit(queries[i]) != points[spatial.representative[i]])
+        {
+            const int s = spatial.representative[i];
+            const Point q = frame.to_unit(queries[i]);
+            const bool merged = spatial.order[s] != int(i); // with another so near that both count as one
+            if (merged ? (q - points[s]).norm() > 2 * spot_size : q != points[s])
                 return false;
+        }
         return true;
     }
 };

@@ -21,12 +21,7 @@ public:
         slots_.assign(slots, -1);
     }
 
-    /// Number of the voxel that holds `p` on the grid of edge 2^(level / 2), `level` the half octave nearest to `edge`.
-    int find_or_add(const Point& p, double edge)
-    {
-        const int level = level_of(edge);
-        return find_or_add(p, level, inverse_edge(level));
-    }
+    /// Number of the voxel that holds `p` on the grid of edge 2^(level / 2). \param inverse_edge inverse_edge(level).
     int find_or_add(const Point& p, int level, double inverse_edge)
     {
         const Key key{std::int64_t(std::floor(p.x() * inverse_edge)), std::int64_t(std::floor(p.y() * inverse_edge)),
@@ -43,7 +38,6 @@ public:
         }
         return slots_[slot];
     }
-    int size() const { return int(keys_.size()); }
 
     /// The half octave nearest to an edge.
     static int level_of(double edge) { return int(std::lround(2 * std::log2(edge))); }

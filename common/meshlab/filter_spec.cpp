@@ -46,7 +46,10 @@ std::vector<int> vertices_to_use(const InputLayer& layer, bool selected_only)
     used.reserve(n);
     for (int i = 0; i < n; ++i)
         if (!selected_only || layer.selected[i])
+        {
+            recon::check_finite(layer.points[i], i); // here, where the number is still that of the layer
             used.push_back(i);
+        }
     if (used.empty())
         throw recon::InvalidInput(
             "No vertex of the current layer is selected: select vertices, or switch 'selected_only' off.");
@@ -68,7 +71,7 @@ recon::OrientedSamples oriented_samples(const InputLayer& layer, const std::vect
     if (missing > 0)
         throw recon::InvalidInput(std::to_string(missing) + " of " + std::to_string(vertices.size()) +
                                   " vertices have no usable normal: compute normals first, for example with the filter "
-                                  "'Compute normals for point sets'.");
+                                  "'Compute normals from Delaunay balls'.");
     return samples;
 }
 

@@ -38,7 +38,7 @@ struct InputLayer
 std::string name_without_ending(const InputLayer& layer);
 
 /// Vertices that a filter works on: all, or the selected ones.
-/// \throws InvalidInput if the layer has no vertices, or none is selected.
+/// \throws InvalidInput if the layer has no vertices, none is selected, or one of them is not finite.
 std::vector<int> vertices_to_use(const InputLayer& layer, bool selected_only);
 
 template <class T>
@@ -52,7 +52,7 @@ std::vector<T> pick(const std::vector<T>& values, const std::vector<int>& indice
 }
 
 /// Points and unit normals of the given vertices.
-/// \throws InvalidInput if one has no normal, or one that is not finite, naming MeshLab's filter that computes them.
+/// \throws InvalidInput if one has no normal, or one that is not finite, naming a filter that computes them.
 recon::OrientedSamples oriented_samples(const InputLayer& layer, const std::vector<int>& vertices);
 
 /// A layer that the filter makes. What is empty is not written: vertex normals then come from the faces.

@@ -244,6 +244,10 @@ void remove_vertices(MeshModel& model, const std::vector<int>& removed)
                     Allocator::DeleteFace(mesh, face);
                     break;
                 }
+    for (auto& edge : mesh.edge)
+        if (!edge.IsD() && (doomed[static_cast<std::size_t>(edge.V(0) - &mesh.vert[0])] ||
+                            doomed[static_cast<std::size_t>(edge.V(1) - &mesh.vert[0])]))
+            Allocator::DeleteEdge(mesh, edge);
     for (std::size_t i = 0; i < doomed.size(); ++i)
         if (doomed[i])
             Allocator::DeleteVertex(mesh, mesh.vert[i]);

@@ -57,14 +57,19 @@ Box bounding_box(const Points& points)
     return box;
 }
 
+void check_finite(const Point& point, std::size_t vertex)
+{
+    if (!point.allFinite())
+        throw InvalidInput("Vertex " + std::to_string(vertex) +
+                           " has a coordinate that is not a finite number. Delete such vertices first.");
+}
+
 UnitFrame::UnitFrame(const Points& points)
 {
     if (points.empty())
         throw InvalidInput("There are no points. Load or select a point cloud first.");
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (!points[i].allFinite())
-            throw InvalidInput("Vertex " + std::to_string(i) +
-                               " has a coordinate that is not a finite number. Delete such vertices first.");
+        check_finite(points[i], i);
     const Box box = bounding_box(points);
     centre_ = box.centre();
     scale_ = box.diagonal();

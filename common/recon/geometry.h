@@ -41,6 +41,9 @@ struct Box
     double diagonal() const;
 };
 
+/// \throws InvalidInput that names `vertex` if the point has a coordinate that is not finite.
+void check_finite(const Point& point, std::size_t vertex);
+
 /// The points of those indices.
 Points points_at(const std::vector<int>& indices, const Points& points);
 

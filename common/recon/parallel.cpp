@@ -197,18 +197,28 @@ void parallel_invoke(int threads, const std::function<void()>& first, const std:
         return;
     }
     std::exception_ptr failure;
-    std::thread beside(
-        [&]
-        {
-            try
+    std::thread beside;
+    try
+    {
+        beside = std::thread(
+            [&]
             {
-                second();
-            }
-            catch (...)
-            {
-                failure = std::current_exception();
-            }
-        });
+                try
+                {
+                    second();
+                }
+                catch (...)
+                {
+                    failure = std::current_exception();
+                }
+            });
+    }
+    catch (const std::system_error&)
+    {
+        first();
+        second();
+        return;
+    }
     try
     {
         first();

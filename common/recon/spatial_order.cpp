@@ -14,8 +14,8 @@ namespace recon
 namespace
 {
 
-/// Extent of a spot in that of the cloud, how many spots around it are empty, and its most points: it is no object.
-constexpr double spot_size = 1e-6, alone_within = 100;
+/// How many spots around one are empty, and its most points: it is no object.
+constexpr double alone_within = 100;
 constexpr int most_in_spot = 1000;
 
 /// Spreads the low 21 bits so that two zero bits follow each.

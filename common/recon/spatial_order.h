@@ -18,6 +18,9 @@ struct SpatialOrder
 };
 SpatialOrder order_spatially(const Points& points, int threads = 1);
 
+/// Extent of a spot, whose points count as one [diagonals of the cloud].
+inline constexpr double spot_size = 1e-6;
+
 /// The same for points as they came in: those within a millionth of the cloud's extent of each other, with nothing else
 /// within a hundred times that, count as equal, unless they are a twentieth of all or more than a thousand. The
 /// meridians of a parametrised sphere end in a hundred points some 1e-16 or 1e-8 apart, and spacings measured there

@@ -100,6 +100,60 @@ def test_surface_of_another_layer_in_world_coordinates(make_host):
     assert np.array_equal(meshes.mesh(0).vertex_matrix(), NOISY)
 
 
+def far_and_near():
+    """Queries for the surface of NOISY: the last is beyond its reach."""
+    return np.vstack([sphere(50, 0, seed=6) * 1.02, [[40.0, 0, 0]]])
+
+
+@pytest.mark.parametrize("parameters", [{"remove_outliers": True}, {"weights": "paper's normalised I"}], ids=["remove", "paper"])
+def test_points_too_far_from_another_layer_stay_and_are_selected(make_host, parameters):
+    import pymeshlab
+    meshes = make_host("pymeshlab", PLUGIN).mesh_set(Cloud(NOISY))
+    meshes.add_mesh(pymeshlab.Mesh(far_and_near()), "queries")
+    values = apply(meshes, PROJECTION, surface_layer="cloud", **parameters)
+    mesh = meshes.current_mesh()
+    assert values["points_too_far"] == 1 and values["points_projected"] == 50
+    assert np.flatnonzero(mesh.vertex_selection_array()).tolist() == [50]
+    assert np.array_equal(mesh.vertex_matrix()[50], far_and_near()[50])
+    assert mesh.vertex_normal_matrix()[50] @ [1, 0, 0] > 0.9
+
+
+def test_the_layers_own_name_is_as_good_as_none(make_host):
+    results = []
+    for name in ("", "cloud"):
+        meshes = make_host("pymeshlab", PLUGIN).mesh_set(Cloud(np.vstack([NOISY, OUTLIERS])))
+        values = apply(meshes, PROJECTION, surface_layer=name)
+        assert values["outliers"] == len(OUTLIERS)
+        results.append(meshes.current_mesh().vertex_matrix())
+    assert np.array_equal(*results)
+
+
+def test_removed_points_take_their_edges_along(make_host):
+    import pymeshlab
+    points = np.vstack([NOISY, OUTLIERS])
+    edges = np.array([[0, 1], [1, len(NOISY)], [len(NOISY), len(NOISY) + 1]])
+    meshes = make_host("pymeshlab", PLUGIN).mesh_set(Cloud(NOISY))
+    meshes.add_mesh(pymeshlab.Mesh(vertex_matrix=points, edge_matrix=edges), "polyline")
+    apply(meshes, PROJECTION, remove_outliers=True)
+    assert meshes.current_mesh().edge_matrix().tolist() == [[0, 1]]
+
+
+@pytest.mark.parametrize("parameter, value", [("rho_e", -1.0), ("max_iterations", -1), ("cut_off", -1.0)])
+@pytest.mark.parametrize("weights", ["anchors with curvature", "paper's plain N"])
+def test_parameters_out_of_range_are_refused(meshes, weights, parameter, value):
+    with pytest.raises(Exception, match={"rho_e": "rho_e", "max_iterations": "iterations", "cut_off": "[Cc]ut-off"}[parameter]):
+        apply(meshes, PROJECTION, weights=weights, **{parameter: value})
+    assert np.array_equal(meshes.current_mesh().vertex_matrix(), NOISY)
+
+
+def test_the_number_of_a_bad_vertex_is_that_of_the_layer(make_host):
+    points = NOISY.copy()
+    points[600] = np.nan
+    meshes = make_host("pymeshlab", PLUGIN).mesh_set(Cloud(points, selected=np.arange(len(points)) >= 500))
+    with pytest.raises(Exception, match="Vertex 600 "):
+        apply(meshes, NORMALS, selected_only=True)
+
+
 def test_given_normals_decide_the_sides(make_host):
     meshes = make_host("pymeshlab", PLUGIN).mesh_set(Cloud(NOISY))
     apply(meshes, NORMALS)

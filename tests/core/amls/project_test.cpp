@@ -62,6 +62,22 @@ TEST(AmlsProjection, LeavesPointsThatAreTooFar)
     EXPECT_GT(landed, 200);
 }
 
+TEST(AmlsProjection, OutliersOfTheSurfaceHoldNoOtherPointsBack)
+{
+    Points points = shapes::with_noise(shapes::sphere(10000, 1, 53).points, 0.005, 54);
+    for (const Point& p : shapes::sphere(200, 1, 55).points)
+        points.push_back(1.25 * p);
+    AmlsProjectionOptions options;
+    options.foreign_points = true;
+    Points queries;
+    for (const Point& p : shapes::sphere(2000, 1.2, 56).points)
+        queries.push_back(p);
+    const AmlsProjection result = project_to_amls(queries, build_amls_surface(points), options);
+    EXPECT_EQ(result.count(ProjectionStatus::too_far), 0);
+    for (const Point& p : result.points)
+        EXPECT_NEAR(p.norm(), 1, 0.02);
+}
+
 TEST(AmlsProjection, IsNearlyIdempotent)
 {
     const Points points = shapes::with_noise(shapes::torus(8000, 1, 0.4, 34).points, 0.01, 35);

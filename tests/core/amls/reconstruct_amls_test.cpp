@@ -307,9 +307,16 @@ TEST(ReconstructAmls, NoisyWallsOfLittleMoreThanASpacingAreNotFilled)
 TEST(ReconstructAmls, WallsThatReadAsNoiseAreFoundWithLessNoise)
 {
     const shapes::Cup cup(1.5);
-    const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(cup.points, 0.4, 4));
-    EXPECT_NEAR(checks::examine_mesh(result.mesh).volume / cup.volume, 1, 0.1);
+    Points points = shapes::with_noise(cup.points, 0.4, 4);
+    const AmlsReconstruction result = reconstruct_amls(points);
+    const double volume = checks::examine_mesh(result.mesh).volume;
+    EXPECT_NEAR(volume / cup.volume, 1, 0.1);
     EXPECT_TRUE(result.warnings.empty());
+    // Copies change nothing, though they leave points without a spacing.
+    const Points once = points;
+    for (int copy = 0; copy < 6; ++copy)
+        points.insert(points.end(), once.begin(), once.end());
+    EXPECT_EQ(checks::examine_mesh(reconstruct_amls(points).mesh).volume, volume);
 }
 
 // Filled at any noise assumed, to 2.4 times its volume, until its mouth is opened. Walls of little more than one

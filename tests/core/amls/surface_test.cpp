@@ -204,6 +204,41 @@ TEST(AmlsSurface, TakesSidesFromGivenNormals)
     EXPECT_EQ(checks::share_facing(result.normals, sphere.normals), 0);
 }
 
+TEST(AmlsSurface, GivenNormalsThatAreZeroHaveNoSay)
+{
+    const OrientedSamples sphere = shapes::sphere(8000, 1, 25);
+    const Points points = shapes::with_noise(sphere.points, 0.01, 26);
+    Vectors given = sphere.normals;
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (points[i].z() > 0.3)
+            given[i].setZero();
+    const AmlsProjection result = project_to_amls(points, build_amls_surface(points, {}, {}, given));
+    EXPECT_EQ(checks::share_facing(result.normals, sphere.normals), 1);
+}
+
+TEST(AmlsSurface, WideWindowsHaveFewerAnchors)
+{
+    // Else time would grow with the square of the number of points.
+    const Points points = shapes::sphere(20000, 1, 29).points;
+    AmlsOptions options;
+    options.rho_e = 0.4;
+    const int narrow = build_amls_surface(points, options).report().anchors;
+    options.rho_e = 0.8;
+    const int wide = build_amls_surface(points, options).report().anchors;
+    EXPECT_LT(wide, 0.5 * narrow);
+    EXPECT_LT(narrow, 0.5 * build_amls_surface(points).report().anchors);
+}
+
+TEST(AmlsSurface, KnowsItsOwnPointsIfTwoAreNextToEqual)
+{
+    Points points = shapes::with_noise(shapes::sphere(3000, 1, 30).points, 0.01, 31);
+    const AmlsProjection before = project_all(points);
+    points.push_back(points[7] + Vector(1e-9, 0, 0));
+    const AmlsProjection after = project_all(points);
+    EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), after.points.begin()));
+    EXPECT_EQ(after.points.back(), after.points[7]);
+}
+
 TEST(AmlsSurface, WidthFollowsRhoE)
 {
     const Points points = shapes::with_noise(shapes::sphere(8000, 1, 27).points, 0.005, 28);
