@@ -1,6 +1,7 @@
 """Reconstructs every cloud of a folder:  batch.py <folder> <output folder> [<plugin.so>]
 
-Prints one line per file; a file that cannot be reconstructed is reported and does not end the job.
+Prints one line per file; a file that cannot be reconstructed is reported and does not end the job. The surface of scan.ply
+becomes scan.ply, that of scan.xyz scan.xyz.ply, in a folder that must be another than that of the clouds.
 """
 import sys
 from pathlib import Path
@@ -13,16 +14,19 @@ FILTER = "generate_surface_reconstruction_noisy_power_crust"
 def main(folder, output, plugin):
     pymeshlab.load_plugin(str(Path(plugin).resolve()))
     output.mkdir(parents=True, exist_ok=True)
+    if output.samefile(folder):
+        sys.exit("The output folder must be another one: surfaces there would be taken for clouds by the next run.")
     failed = 0
     # One MeshSet for the whole job: after a filter has failed, pymeshlab 2025.7 goes on writing to the log of the MeshSet in
     # which it failed, and crashes if that is gone (PyMeshLab issue 399).
     meshes = pymeshlab.MeshSet(verbose=False)
     for cloud in sorted(p for p in folder.iterdir() if p.suffix.lower() in (".ply", ".obj", ".xyz", ".pts")):
+        name = cloud.name if cloud.suffix == ".ply" else f"{cloud.name}.ply"
         meshes.clear()
         try:
             meshes.load_new_mesh(str(cloud))
             found = meshes.apply_filter(FILTER, threads=1)  # one thread: run several jobs side by side instead
-            meshes.save_current_mesh(str(output / f"{cloud.stem}.ply"))
+            meshes.save_current_mesh(str(output / name))
         except pymeshlab.PyMeshLabException as problem:
             failed += 1
             print(f"{cloud.name}: {str(problem).splitlines()[-1]}")

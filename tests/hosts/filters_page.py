@@ -114,8 +114,9 @@ Lengths are in the layer's units, or per cent of the diagonal of its bounding bo
 those of the layer before its transform; new layers get the same transform. pymeshlab returns the result values as a dictionary, the other hosts
 log them; `seconds_...` are wall-clock seconds per phase. If a filter fails or is cancelled, the document is as it was.
 
-For `meshlabserver` a script must list every parameter but the first: there is one for each filter in [examples](examples), to be copied and changed. They run in
-MeshLab 2025.07 and in pymeshlab (`ms.load_filter_script`) as well.
+For `meshlabserver` a script must list every parameter but the first: there is one for each filter in [examples](examples), to be copied and changed.
+`meshlabserver -i scan.ply -o result.ply -m vn vc vq vr -s <script>` also saves normals, colours, quality and radii; without `-m` it saves positions and faces alone.
+The scripts run in MeshLab 2025.07 and in pymeshlab (`ms.load_filter_script(path)`, then `ms.apply_filter_script()`) as well.
 """
 
 

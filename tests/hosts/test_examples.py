@@ -16,11 +16,12 @@ ROOT = Path(__file__).parents[2]
 TORUS = torus(4000, 0.01, seed=1)
 
 
-def test_script_in_meshlabserver(make_host, tmp_path):
+def test_meshlabserver_as_in_the_readme(make_host, tmp_path):
     host = make_host("meshlabserver", NOISY_POWER_CRUST.plugin)
     hosts.write_ply(tmp_path / "scan.ply", Cloud(TORUS))
-    code, log = meshlab_2020.run_server(host.programs, host.display, [
-        "-i", "scan.ply", "-o", "surface.ply", "-s", ROOT / "examples" / "noisy_power_crust.mlx"], tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    line = re.search(r"^xvfb-run -a meshlabserver (.*)$", (ROOT / "README.md").read_text(), re.M).group(1)
+    code, log = meshlab_2020.run_server(host.programs, host.display, line.split(), tmp_path)
     assert code == 0, log
     assert assert_closed_manifold(hosts.read_ply(tmp_path / "surface.ply"))["euler_characteristic"] == 0
 
@@ -76,3 +77,11 @@ def test_batch_goes_on_after_a_bad_file(tmp_path):
     assert shown.returncode == 1
     assert "plane" in lines[0] and "genus 1" in lines[1], shown
     assert [p.name for p in (tmp_path / "out").iterdir()] == ["b_torus.ply"]
+
+
+def test_batch_refuses_to_write_among_its_input(tmp_path):
+    hosts.write_ply(tmp_path / "torus.ply", Cloud(TORUS))
+    plugin = BUILD / "plugins" / "pymeshlab-2025.7" / NOISY_POWER_CRUST.plugin
+    shown = subprocess.run([sys.executable, ROOT / "examples" / "batch.py", tmp_path, tmp_path, plugin], capture_output=True, text=True)
+    assert shown.returncode == 1 and "another" in shown.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["torus.ply"]

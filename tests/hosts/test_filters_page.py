@@ -1,4 +1,6 @@
 """FILTERS.md, the scripts in examples/ and the released names against the plugins."""
+import re
+
 import filters_page
 import hosts
 import meshlab_2020
@@ -24,6 +26,7 @@ def test_names_parameters_and_defaults_are_those_released(released):
         (name, kind, shown.get(type(default), str)(default), choices or []) for name, kind, default, choices in released.parameters]
 
 
+MAKES_RADII = {"generate_medial_axis_power_shape", "meshing_point_cloud_refinement_pn"}
 OTHER_WAYS = {"compute_normal_from_delaunay_balls": {"method": "paper"}}
 
 
@@ -43,6 +46,10 @@ def test_script_runs_in_meshlabserver(make_host, tmp_path, released):
     host = make_host("meshlabserver", released.plugin)
     hosts.write_ply(tmp_path / "scan.ply", hosts.Cloud(TORUS))
     script = filters_page.ROOT / "examples" / f"{filters_page.SCRIPTS[released.python_name]}.mlx"
-    code, log = meshlab_2020.run_server(host.programs, host.display, ["-i", "scan.ply", "-o", "out.ply", "-s", script], tmp_path)
+    masks = re.search(r"`meshlabserver .*?-m ([a-z ]+) -s <script>`", filters_page.HEAD).group(1).split()
+    code, log = meshlab_2020.run_server(host.programs, host.display, ["-i", "scan.ply", "-o", "out.ply", "-m", *masks, "-s", script], tmp_path)
     assert code == 0, log
-    assert released.name in log and (tmp_path / "out.ply").exists()
+    assert released.name in log
+    header = (tmp_path / "out.ply").read_bytes().split(b"end_header")[0].decode().split()
+    assert {"nx", "red", "quality"} <= set(header)
+    assert ("radius" in header) == (released.python_name in MAKES_RADII)
