@@ -18,11 +18,6 @@ PN_INLINE Floats floats_of(__m256 lo, __m256 hi)
     const Halves h{lo, hi};
     return load<Floats>(&h);
 }
-PN_INLINE Ints ints_of(__m256i lo, __m256i hi)
-{
-    const Halves h{(__m256)lo, (__m256)hi};
-    return load<Ints>(&h);
-}
 #define PN_COMPARE(name, how)                                                                                          \
     PN_INLINE Mask name(Floats a, Floats b)                                                                            \
     {                                                                                                                  \
@@ -88,33 +83,21 @@ PN_INLINE Floats root(Floats v)
     const Halves h = halves(v);
     return floats_of(_mm256_sqrt_ps(h.lo), _mm256_sqrt_ps(h.hi));
 }
+struct DoubleHalves
+{
+    __m256d a, b;
+};
 PN_INLINE Doubles root(Doubles v)
 {
-    struct D
-    {
-        __m256d a, b;
-    };
-    const D d = load<D>(&v);
-    const D r{_mm256_sqrt_pd(d.a), _mm256_sqrt_pd(d.b)};
+    const DoubleHalves d = load<DoubleHalves>(&v);
+    const DoubleHalves r{_mm256_sqrt_pd(d.a), _mm256_sqrt_pd(d.b)};
     return load<Doubles>(&r);
 }
 PN_INLINE Mask at_most(Doubles a, Doubles b)
 {
-    struct D
-    {
-        __m256d a, b;
-    };
-    const D x = load<D>(&a), y = load<D>(&b);
+    const DoubleHalves x = load<DoubleHalves>(&a), y = load<DoubleHalves>(&b);
     return Mask(_mm256_movemask_pd(_mm256_cmp_pd(x.a, y.a, _CMP_LE_OQ))) |
            Mask(_mm256_movemask_pd(_mm256_cmp_pd(x.b, y.b, _CMP_LE_OQ))) << 4;
-}
-PN_INLINE Floats inverse_root(Floats v)
-{
-    return 1 / root(v);
-}
-PN_INLINE Floats rough_inverse_root(Floats v)
-{
-    return 1 / root(v);
 }
 PN_INLINE __m256i pack_places(Mask m)
 {
@@ -173,17 +156,5 @@ PN_INLINE Floats load_lanes(const float* from, Mask m)
     return floats_of(_mm256_maskload_ps(from, (__m256i)spread8(m)),
                      _mm256_maskload_ps(from + 8, (__m256i)spread8(m >> 8)));
 }
-PN_INLINE Ints sort_lanes(Ints v, int n)
-{
-    alignas(64) std::int32_t x[lane_count];
-    store(x, v);
-    for (int i = 1; i < n; ++i)
-    {
-        const std::int32_t key = x[i];
-        int k = i;
-        for (; k > 0 && x[k - 1] > key; --k)
-            x[k] = x[k - 1];
-        x[k] = key;
-    }
-    return load<Ints>(x);
-}
+
+#include "lanes_below_avx512.h"

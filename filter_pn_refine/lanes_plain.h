@@ -91,14 +91,6 @@ PN_INLINE Mask at_most(Doubles a, Doubles b)
         bits |= Mask(is[i] & 1) << i;
     return bits;
 }
-PN_INLINE Floats inverse_root(Floats v)
-{
-    return 1 / root(v);
-}
-PN_INLINE Floats rough_inverse_root(Floats v)
-{
-    return 1 / root(v);
-}
 template <class Vector>
 PN_INLINE Vector compress(Mask m, Vector v)
 {
@@ -131,17 +123,5 @@ PN_INLINE Floats load_lanes(const float* from, Mask m)
         x[first_of(m)] = from[first_of(m)];
     return load<Floats>(x);
 }
-PN_INLINE Ints sort_lanes(Ints v, int n)
-{
-    alignas(64) std::int32_t x[lane_count];
-    store(x, v);
-    for (int i = 1; i < n; ++i)
-    {
-        const std::int32_t key = x[i];
-        int k = i;
-        for (; k > 0 && x[k - 1] > key; --k)
-            x[k] = x[k - 1];
-        x[k] = key;
-    }
-    return load<Ints>(x);
-}
+
+#include "lanes_below_avx512.h"

@@ -236,17 +236,17 @@ void remove_vertices(MeshModel& model, const std::vector<int>& removed)
     std::vector<char> doomed(mesh.vert.size(), 0);
     for (int i : removed)
         doomed[static_cast<std::size_t>(all[i] - &mesh.vert[0])] = 1;
+    const auto is_doomed = [&](const CVertexO* v) { return doomed[static_cast<std::size_t>(v - &mesh.vert[0])] != 0; };
     for (CFaceO& face : mesh.face)
         if (!face.IsD())
             for (int corner = 0; corner < 3; ++corner)
-                if (doomed[static_cast<std::size_t>(face.V(corner) - &mesh.vert[0])])
+                if (is_doomed(face.V(corner)))
                 {
                     Allocator::DeleteFace(mesh, face);
                     break;
                 }
     for (auto& edge : mesh.edge)
-        if (!edge.IsD() && (doomed[static_cast<std::size_t>(edge.V(0) - &mesh.vert[0])] ||
-                            doomed[static_cast<std::size_t>(edge.V(1) - &mesh.vert[0])]))
+        if (!edge.IsD() && (is_doomed(edge.V(0)) || is_doomed(edge.V(1))))
             Allocator::DeleteEdge(mesh, edge);
     for (std::size_t i = 0; i < doomed.size(); ++i)
         if (doomed[i])
