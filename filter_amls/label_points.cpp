@@ -75,7 +75,7 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
 {
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
     LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
-    const bool has_ground = is_open && add_ground(found.samples, normals, lost);
+    const bool has_ground = is_open && add_ground(found.samples, normals, lost, labelling.threads);
     if (is_open && !has_ground)
         if (auto sheet = back_open_sheet(found.samples, normals, found.labelled, labelling, times, progress))
             return take(found, std::move(*sheet));
@@ -142,7 +142,7 @@ std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const P
                                                  const Progress& progress)
 {
     LostSheets none;
-    if (!add_ground(samples, normals, none))
+    if (!add_ground(samples, normals, none, labelling.threads))
         return {};
     LabelledBalls labelled =
         label_polar_balls(samples, normals, labelling, times, progress.part(0, 0.5, "polar balls"));

@@ -41,7 +41,7 @@ public:
         result_.is_replaced.assign(samples.size(), 0);
     }
 
-    NoisyFlatCompletion complete(const NoisyFaces& found)
+    NoisyFlatCompletion complete(const NoisyFaces& found, int threads)
     {
         rim_normals_.assign(found.rims.size(), Vector::Zero());
         std::vector<FlatFace> faces;
@@ -71,10 +71,10 @@ public:
             if (!result_.is_replaced[i])
                 present.push_back(samples_[i]);
         for (const FlatFace& face : faces)
-            for (const Point& p : fill_face(face, found.rims, present))
+            for (const Point& p : fill_face(face, found.rims, present, threads))
                 append(p, face.normal);
         for (const Base& base : bases_)
-            for (const Point& p : fill_face(base.face, base.rims, present))
+            for (const Point& p : fill_face(base.face, base.rims, present, threads))
                 append(p, base.face.normal);
         return std::move(result_);
     }
@@ -400,7 +400,7 @@ NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, con
     NoisyFlatCompleter completer(points, noise, samples, normals);
     // A bevel or a fillet beside it hides the plane on the other side of a plate; the bores through it end there.
     append(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, threads), found);
-    return completer.complete(found);
+    return completer.complete(found, threads);
 }
 
 } // namespace recon

@@ -78,8 +78,8 @@ public:
         if (attempts_.points.size() > most_points_twice)
             best.reset();
         {
-            LabelledCloud second =
-                attempts_.prepare_and_label(Denoise::on, 0, progress.part(0.3, 0.7, "second attempt"));
+            LabelledCloud second = attempts_.prepare_and_label(Denoise::on, attempts_.options.noise,
+                                                               progress.part(0.3, 0.7, "second attempt"));
             if (second.labelled.violated_votes < violated)
             {
                 if (is_flooded)
@@ -88,8 +88,7 @@ public:
                     return std::move(judged.attempt);
             }
         }
-        return best ? std::move(best->attempt)
-                    : attempts_.prepare_and_label(Denoise::automatic, 0, progress.part(0.7, 1, "first attempt again"));
+        return best ? std::move(best->attempt) : make_first(progress.part(0.7, 1, "first attempt again"));
     }
 
     /// A scan whose sheets have the outside on both sides, with backs behind these.
@@ -194,7 +193,7 @@ private:
         if (!attempts_.find_clean_surface(cloud, progress.part(0, 0.4)).report().open)
             return;
         const Vectors normals = attempts_.list_clean_normals(cloud, progress.part(0.4, 0.5));
-        if (LostSheets none; recon::add_ground(cloud.samples, normals, none))
+        if (LostSheets none; recon::add_ground(cloud.samples, normals, none, attempts_.threads()))
             return;
         if (std::optional<BackedSheets> sheet = label_open_sheet(
                 cloud.samples, normals, attempts_.usual_options_for(cloud), attempts_.times, progress.part(0.5, 1)))
@@ -230,9 +229,9 @@ private:
     }
 
     /// The ground of a scene is such a sheet, whatever the balls between its samples are called.
-    static bool add_ground(const PreparedSamples& cloud, LostSheets& lost)
+    bool add_ground(const PreparedSamples& cloud, LostSheets& lost) const
     {
-        return is_open(cloud) && recon::add_ground(cloud.samples, cloud.normals, lost);
+        return is_open(cloud) && recon::add_ground(cloud.samples, cloud.normals, lost, attempts_.threads());
     }
 
     /// Whether it has normals, too.

@@ -110,7 +110,10 @@ RimWall WallFinder::find(const FlatFace& face, const RimLoop& loop, const Points
     }
     // As high on both sides: a surface that crosses the plane.
     if (std::max(below, above) < one_sided * std::min(below, above) || std::max(below, above) == 0)
+    {
+        wall.out = 0; // of no bevel: the opposite face may still tell how high it is
         return wall;
+    }
     wall.side = above == 0 || (below > 0 && below < above) ? -1 : 1;
     wall.height = wall.side < 0 ? below : above;
     // The first points lie lower than most.

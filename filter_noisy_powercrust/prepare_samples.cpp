@@ -75,7 +75,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         times.begin("flat faces");
         FlatFaceOptions exactly_flat;
         exactly_flat.threads = threads;
-        result.completion = complete_flats(result.distinct, exactly_flat);
+        result.completion = complete_flats(result.distinct, exactly_flat, progress.part(0, 0.1));
     }
     const bool is_noisy_in_parts = cleanness.is_noisy_in_parts();
     const bool is_exact = !is_noisy_in_parts && !result.completion.points.empty();

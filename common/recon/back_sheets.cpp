@@ -177,9 +177,13 @@ bool may_be_a_sheet(const LostSheets& lost, bool is_open, double violated)
     return lost.largest > bearable_lost || (is_open && violated > open_behind);
 }
 
-bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost)
+bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost, int threads)
 {
-    const std::optional<Ground> ground = find_ground(samples, normals);
+    const NeighbourSearch search(samples);
+    std::vector<double> spacing(samples.size());
+    parallel_for(samples.size(), threads, {},
+                 [&](std::size_t i) { spacing[i] = measure_spacing_at(samples[i], search); });
+    const std::optional<Ground> ground = find_ground(samples, times_area(normals, spacing));
     if (!ground || !ground->faces_things)
         return false;
     lost.around.resize(samples.size(), 0);

@@ -42,7 +42,7 @@ bool may_be_a_sheet(const LostSheets& lost, bool is_open, double violated);
 
 /// Adds the ground of a scene, see find_ground(): there is no ball below it either. \returns whether there is one that
 /// faces what stands on it.
-bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost);
+bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost, int threads);
 
 /// Distance from a sheet to its back [spacings]. Slabs of two spacings and more come out whole.
 inline constexpr double usual_thickness = 3;

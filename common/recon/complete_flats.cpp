@@ -2,6 +2,7 @@
 
 #include <recon/keep_apart.h>
 #include <recon/neighbours.h>
+#include <recon/parallel.h>
 #include <recon/rim_walls.h>
 #include <recon/scramble.h>
 #include <recon/wall_samples.h>
@@ -58,16 +59,19 @@ public:
     {
     }
 
-    Points fill()
+    Points fill(int threads, const Progress& progress) const
     {
-        for (const auto& t : face_.face.triangles)
-            divide(rims_[t[0]], rims_[t[1]], rims_[t[2]], 0);
-        return thin();
+        const std::vector<std::array<int, 3>>& triangles = face_.face.triangles;
+        return thin(parallel_collect<Candidate>(
+            triangles.size(), threads, progress,
+            [&](std::size_t k, std::vector<Candidate>& found)
+            { divide(rims_[triangles[k][0]], rims_[triangles[k][1]], rims_[triangles[k][2]], 0, found); },
+            16));
     }
 
 private:
     /// Lists the centres of pieces as small as half the radius wanted there.
-    void divide(const Point& a, const Point& b, const Point& c, int depth)
+    void divide(const Point& a, const Point& b, const Point& c, int depth, std::vector<Candidate>& found) const
     {
         const double sides[3] = {(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()};
         const int longest = int(std::max_element(sides, sides + 3) - sides);
@@ -80,48 +84,47 @@ private:
         if (sides[longest] <= 0.25 * radius * radius || depth > 24)
         {
             if (distance > 0.8 * radius)
-                candidates_.push_back(
+                found.push_back(
                     {centre - face_.face.normal.dot(centre - face_.face.origin) * face_.face.normal, radius});
             return;
         }
         if (longest == 0)
-            divide_at((a + b) / 2, a, b, c, depth);
+            divide_at((a + b) / 2, a, b, c, depth, found);
         else if (longest == 1)
-            divide_at((b + c) / 2, b, c, a, depth);
+            divide_at((b + c) / 2, b, c, a, depth, found);
         else
-            divide_at((c + a) / 2, c, a, b, depth);
+            divide_at((c + a) / 2, c, a, b, depth, found);
     }
-    void divide_at(const Point& middle, const Point& from, const Point& to, const Point& opposite, int depth)
+    void divide_at(const Point& middle, const Point& from, const Point& to, const Point& opposite, int depth,
+                   std::vector<Candidate>& found) const
     {
-        divide(from, middle, opposite, depth + 1);
-        divide(middle, to, opposite, depth + 1);
+        divide(from, middle, opposite, depth + 1, found);
+        divide(middle, to, opposite, depth + 1, found);
     }
 
     /// In a scrambled order; what an older sample is too near to is left out.
-    Points thin() const
+    Points thin(const std::vector<Candidate>& candidates) const
     {
         std::vector<std::pair<std::uint64_t, int>> order;
-        for (int i = 0; i < int(candidates_.size()); ++i)
+        for (int i = 0; i < int(candidates.size()); ++i)
             order.emplace_back(scramble(std::uint64_t(i)), i);
         std::sort(order.begin(), order.end());
         Points positions;
         std::vector<double> radii;
         for (const auto& entry : order)
         {
-            const Candidate& c = candidates_[entry.second];
-            if ((present_[search_.nearest(c.position)] - c.position).norm() < 0.5 * c.radius)
-                continue;
-            positions.push_back(c.position);
-            radii.push_back(c.radius);
+            positions.push_back(candidates[entry.second].position);
+            radii.push_back(candidates[entry.second].radius);
         }
-        return points_at(keep_apart(positions, radii), positions);
+        const auto has_room = [&](int i)
+        { return (present_[search_.nearest(positions[i])] - positions[i]).norm() >= 0.5 * radii[i]; };
+        return points_at(keep_apart(positions, radii, has_room), positions);
     }
 
     const Points& present_;
     const Points& rims_;
     const NeighbourSearch& search_; ///< Of present_.
     const RimmedFace& face_;
-    std::vector<Candidate> candidates_;
 };
 
 /// A wall joins parallel faces (cosine of their normals), straight but for this share of the rim's spacing.
@@ -208,17 +211,17 @@ private:
 
 } // namespace
 
-Points fill_face(const FlatFace& face, const Points& rims, const Points& present)
+Points fill_face(const FlatFace& face, const Points& rims, const Points& present, int threads)
 {
     const NeighbourSearch search(present);
     const RimmedFace rimmed(face, rims);
-    return FaceFiller(present, rims, search, rimmed).fill();
+    return FaceFiller(present, rims, search, rimmed).fill(threads, {});
 }
 
 FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& options, const Progress& progress)
 {
     FlatCompletion result;
-    const FlatFaces found = find_flat_faces(samples, options, progress);
+    const FlatFaces found = find_flat_faces(samples, options, progress.part(0, 0.6));
     if (found.bare.empty())
         return result;
     std::deque<RimmedFace> faces;
@@ -226,9 +229,11 @@ FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& opti
         faces.emplace_back(face, samples);
     result.faces = int(faces.size());
     const NeighbourSearch search(samples);
-    for (const RimmedFace& face : faces)
+    for (std::size_t k = 0; k < faces.size(); ++k)
     {
-        const Points added = FaceFiller(samples, samples, search, face).fill();
+        const Progress part = progress.part(0.6 + 0.2 * double(k) / double(faces.size()),
+                                            0.6 + 0.2 * double(k + 1) / double(faces.size()), "flat faces");
+        const Points added = FaceFiller(samples, samples, search, faces[k]).fill(options.threads, part);
         result.points.insert(result.points.end(), added.begin(), added.end());
     }
     Points present = samples;
@@ -237,7 +242,7 @@ FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& opti
     const WallSamples no_walls(search_present, present);
     if (!found.mere_rims.empty())
     {
-        const Points walls = fill_rim_walls(found, samples, search, no_walls);
+        const Points walls = fill_rim_walls(found, samples, search, no_walls, options.threads, progress.part(0.8, 1, "flat faces"));
         result.with_all_walls = result.points;
         result.with_all_walls.insert(result.with_all_walls.end(), walls.begin(), walls.end());
     }

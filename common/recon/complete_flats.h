@@ -21,6 +21,6 @@ FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& opti
                               const Progress& progress = {});
 
 /// New samples on one face. \param rims what the face refers to. \param present samples near which none is needed.
-Points fill_face(const FlatFace& face, const Points& rims, const Points& present);
+Points fill_face(const FlatFace& face, const Points& rims, const Points& present, int threads);
 
 } // namespace recon

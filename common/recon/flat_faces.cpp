@@ -73,8 +73,16 @@ void fit(Plane& plane, const Points& samples, const std::vector<int>& members)
     for (const int i : members)
         spread += (samples[i] - centre) * (samples[i] - centre).transpose();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-    const Vector normal = solver.eigenvectors().col(0);
     plane.origin = centre;
+    // Through what is all on one straight rim go many planes: it says nothing but that it lies in this one.
+    const double across = solver.eigenvalues()[1] / double(members.size());
+    if (across <= plane.tolerance * plane.tolerance)
+    {
+        const Vector along = solver.eigenvectors().col(2);
+        plane.normal = (plane.normal - plane.normal.dot(along) * along).normalized();
+        return;
+    }
+    const Vector normal = solver.eigenvectors().col(0);
     plane.normal = normal.dot(plane.normal) < 0 ? Vector(-normal) : normal;
 }
 
@@ -151,7 +159,7 @@ private:
                 const Vector u = samples_[near.indices[a]] - p, v = samples_[near.indices[b]] - p;
                 const Vector across = u.cross(v);
                 const double squared = across.squaredNorm();
-                if (squared < 0.01 * near.squared[a] * near.squared[b])
+                if (squared < 1e-4 * near.squared[a] * near.squared[b])
                     continue;
                 plane.normal = across / std::sqrt(squared);
                 int count = 0;

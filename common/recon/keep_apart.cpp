@@ -1,18 +1,21 @@
 #include <recon/keep_apart.h>
 
-#include <recon/neighbours.h>
+#include <recon/block_search.h>
+#include <recon/spatial_order.h>
 
 namespace recon
 {
 
-std::vector<int> keep_apart(const Points& points, const std::vector<double>& radii)
+std::vector<int> keep_apart(const Points& points, const std::vector<double>& radii,
+                            const std::function<bool(int)>& may_stay)
 {
-    const NeighbourSearch search(points);
-    std::vector<char> is_taken(points.size(), 0);
+    const SpatialOrder spatial = order_spatially(points);
+    const BlockSearch search(points_at(spatial.order, points));
+    std::vector<char> is_taken(spatial.order.size(), 0); // equal points are all taken or none
     std::vector<int> near, result;
     for (int i = 0; i < int(points.size()); ++i)
     {
-        if (is_taken[i])
+        if (is_taken[spatial.representative[i]] || (may_stay && !may_stay(i)))
             continue;
         result.push_back(i);
         search.within(points[i], radii[i], near);

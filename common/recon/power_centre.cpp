@@ -52,16 +52,17 @@ bool has_equal_power(const Point& x, const std::array<Point, 4>& points, const s
 
 Point find_power_centre(const std::array<Point, 4>& points, const std::array<double, 4>& weights)
 {
+    double size = 1;
+    for (int i = 1; i < 4; ++i)
+        size *= (points[i] - points[0]).norm();
     double quick[3];
-    if (solve(points, weights, quick) != 0)
+    // Where four points lie on one circle but for their rounding, all of its axis has equal power to them.
+    if (std::abs(solve(points, weights, quick)) > 1e-6 * size)
     {
         const Point centre = points[0] + Vector(quick[0], quick[1], quick[2]);
         if (has_equal_power(centre, points, weights))
             return centre;
     }
-    double size = 1;
-    for (int i = 1; i < 4; ++i)
-        size *= (points[i] - points[0]).norm();
     _Float128 wide[3] = {}; // its name on every architecture
     if (std::abs(double(solve(points, weights, wide))) > 1e-24 * size)
         return points[0] + Vector(double(wide[0]), double(wide[1]), double(wide[2]));

@@ -1,5 +1,6 @@
 #include <recon/rim_walls.h>
 
+#include <recon/parallel.h>
 #include <recon/rim_curves.h>
 
 #include <algorithm>
@@ -56,7 +57,11 @@ struct Loop
         }
         for (std::size_t k = 0; k < points.size(); ++k)
             for (const int j : along[k])
-                spacing[k] += (points[j] - points[k]).norm() / double(along[k].size());
+            {
+                const double length = (points[j] - points[k]).norm();
+                spacing[k] += length / double(along[k].size());
+                longest_edge = std::max(longest_edge, length);
+            }
     }
     Loop(const Loop&) = delete;
 
@@ -67,6 +72,7 @@ struct Loop
     NeighbourSearch search;
     std::vector<std::vector<int>> along; ///< Per sample: the places of those beside it.
     std::vector<double> spacing;         ///< Per sample: mean distance from these.
+    double longest_edge = 0;
 
 private:
     static std::vector<int> list_samples(const FlatFace& face, const RimCurve& curve)
@@ -90,10 +96,10 @@ public:
                 append_loops(face, list != &faces.mere_rims);
     }
 
-    Points fill()
+    Points fill(int threads, const Progress& progress)
     {
         add_strips();
-        raise_walls();
+        raise_walls(threads, progress);
         return walls_.thin();
     }
 
@@ -200,17 +206,24 @@ private:
                            });
     }
 
-    void raise_walls()
+    void raise_walls(int threads, const Progress& progress)
     {
-        std::vector<Wall> walls;
+        std::vector<std::pair<int, int>> feet; // loops and which of their samples
         for (int l = 0; l < int(loops_.size()); ++l)
             for (int k = 0; k < int(loops_[l].points.size()); ++k)
-                for (const int side : {1, -1})
-                {
-                    const Wall wall = find_wall(l, k, side);
-                    if (wall.top >= 0 && is_empty(wall, side * loops_[l].normal))
-                        walls.push_back(wall);
-                }
+                feet.emplace_back(l, k);
+        std::vector<Wall> walls = parallel_collect<Wall>(feet.size(), threads, progress,
+                                                         [&](std::size_t i, std::vector<Wall>& found)
+                                                         {
+                                                             const auto [l, k] = feet[i];
+                                                             for (const int side : {1, -1})
+                                                             {
+                                                                 const Wall wall = find_wall(l, k, side);
+                                                                 if (wall.top >= 0 &&
+                                                                     is_empty(wall, side * loops_[l].normal))
+                                                                     found.push_back(wall);
+                                                             }
+                                                         });
         std::stable_sort(walls.begin(), walls.end(), [](const Wall& a, const Wall& b) { return a.height < b.height; });
         for (const Wall& wall : walls)
         {
@@ -224,6 +237,17 @@ private:
         }
     }
 
+    /// Nearest sample of a loop, by place; -1 if none is so near that the loop may pass straight below or above.
+    static int find_nearest(const Loop& loop, const Point& p, std::vector<int>& near)
+    {
+        // A query of the nearest from the middle of a circle would visit all of it.
+        loop.search.within(p, (1 + straight) * loop.longest_edge, near);
+        const auto distance = [&](int k) { return (loop.points[k] - p).squaredNorm(); };
+        const auto nearest = std::min_element(near.begin(), near.end(), [&](int a, int b)
+                                              { return std::pair(distance(a), a) < std::pair(distance(b), b); });
+        return nearest == near.end() ? -1 : *nearest;
+    }
+
     /// To the nearest place on another loop straight above or below.
     Wall find_wall(int l, int place, int side) const
     {
@@ -231,6 +255,7 @@ private:
         const Vector up = side * own.normal;
         const Point& p = own.points[place];
         Wall result;
+        std::vector<int> near;
         double least = 1e300;
         for (int g = 0; g < int(loops_.size()); ++g)
         {
@@ -240,7 +265,9 @@ private:
                 std::abs(up.dot(other.normal)) < parallel)
                 continue;
             const Point above = p + height * up;
-            const int nearest = other.search.nearest(above);
+            const int nearest = find_nearest(other, above, near);
+            if (nearest < 0)
+                continue;
             const Point& q = other.points[nearest];
             for (const int w : other.along[nearest])
             {
@@ -282,9 +309,10 @@ private:
 
 } // namespace
 
-Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const NeighbourSearch& search, WallSamples walls)
+Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const NeighbourSearch& search, WallSamples walls,
+                      int threads, const Progress& progress)
 {
-    return RimWallFiller(faces, samples, search, std::move(walls)).fill();
+    return RimWallFiller(faces, samples, search, std::move(walls)).fill(threads, progress);
 }
 
 } // namespace recon

@@ -3,6 +3,7 @@
 #include <recon/flat_faces.h>
 #include <recon/geometry.h>
 #include <recon/neighbours.h>
+#include <recon/progress.h>
 #include <recon/wall_samples.h>
 
 namespace recon
@@ -13,6 +14,8 @@ namespace recon
 /// where these sample the surface one after another, as of lathed shapes; and walls, the lowest first. No wall begins
 /// where samples go on straight before it.
 /// \param samples what the faces refer to, and `search` with them. \param walls without any yet.
-Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const NeighbourSearch& search, WallSamples walls);
+/// \throws Cancelled.
+Points fill_rim_walls(const FlatFaces& faces, const Points& samples, const NeighbourSearch& search, WallSamples walls,
+                      int threads, const Progress& progress);
 
 } // namespace recon

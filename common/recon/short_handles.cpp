@@ -244,6 +244,21 @@ double find_longest_ring(const SetMeasures& set, double against, const ShortHand
     return set.scale * (against * options.longest_ring > support ? support / against : options.longest_ring);
 }
 
+/// Whether each surface between the sides is a sphere.
+bool are_spheres(const Triangulation& regular, const std::vector<Side>& labels, int threads)
+{
+    const int euler = measure_interface_euler(regular, labels, threads);
+    if (euler < 2)
+        return false;
+    // Each surface parts two regions that nothing else joins.
+    const std::vector<char> is_visible = mark_vertices(regular, int(labels.size()));
+    DisjointSets regions = join_neighbours(regular, labels.size(), threads, [&](int v) { return int(labels[v]); });
+    int surfaces = -1;
+    for (int i = 0; i < int(labels.size()); ++i)
+        surfaces += is_visible[i] && regions.find(i) == i;
+    return euler == 2 * surfaces;
+}
+
 } // namespace
 
 int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels, int threads)
@@ -282,8 +297,8 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
                          const std::function<double(int ball)>& outwardness, const ShortHandleOptions& options,
                          std::vector<Side>& labels)
 {
-    if (measure_interface_euler(regular, labels, options.threads) >= 2)
-        return 0; // a sphere has none
+    if (are_spheres(regular, labels, options.threads))
+        return 0; // they have no handles
     const CellsAtVertices at = list_cells_at_vertices(regular, int(labels.size()), options.threads);
     std::vector<char> is_doubtful(labels.size());
     for (std::size_t i = 0; i < labels.size(); ++i)

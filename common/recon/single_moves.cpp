@@ -6,9 +6,17 @@
 
 namespace recon
 {
+namespace
+{
+
+/// Weight of merged pairs. That of their edges can be less than what speaks against it: of two balls that fill a sphere
+/// one may have all the votes and the other half of the surface.
+constexpr double inseparable = 1e9;
+
+} // namespace
 
 SingleMoves::SingleMoves(const SignedGraph& graph, int threads)
-    : graph_(graph), first_(std::size_t(graph.nodes) + 1, 0), entries_(2 * graph.edges.size())
+    : graph_(graph), first_(std::size_t(graph.nodes) + 1, 0), entries_(2 * (graph.edges.size() + graph.merged.size()))
 {
     // Each thread reads all edges and keeps what belongs to its nodes.
     const auto for_all = [&](auto&& call)
@@ -22,6 +30,13 @@ SingleMoves::SingleMoves(const SignedGraph& graph, int threads)
                                     call(e.a, e.b, e.weight);
                                 if (own.has(e.b))
                                     call(e.b, e.a, e.weight);
+                            }
+                            for (const auto& [a, b] : graph.merged)
+                            {
+                                if (own.has(a))
+                                    call(a, b, inseparable);
+                                if (own.has(b))
+                                    call(b, a, inseparable);
                             }
                         });
     };

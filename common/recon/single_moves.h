@@ -7,8 +7,8 @@
 namespace recon
 {
 
-/// Changes sides of single nodes (never the root) while that lowers the contradicted weight. Merged pairs are held
-/// together by their edges' weight alone here; it is large.
+/// Changes sides of single nodes (never the root) while that lowers the contradicted weight. Merged pairs on one side
+/// stay together.
 class SingleMoves
 {
 public:

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <numeric>
 #include <random>
 #include <set>
@@ -179,6 +180,26 @@ TEST(RegularTriangulation, HasNoCellsWhereNoVolumeIsSpanned)
     const Triangulation t = triangulate(plane);
     expect_neighbours_agree(t);
     EXPECT_GT(t.finite_cells, 30);
+}
+
+TEST(RegularTriangulation, TakesNoLongerWhereAPointSeesAllOthers)
+{
+    // Each point of the plane is inserted beside all that are there: their edges must not share a few buckets.
+    const auto measure = [](const Points& points)
+    {
+        const std::clock_t begin = std::clock();
+        EXPECT_GT(triangulate(points).finite_cells, int(points.size()));
+        return double(std::clock() - begin);
+    };
+    std::mt19937 random(1);
+    const auto coordinate = [&] { return random() / 4294967296.0; };
+    Points scattered, plane = {Point(0.5, 0.5, 1)};
+    for (int i = 0; i < 150'000; ++i)
+    {
+        scattered.emplace_back(coordinate(), coordinate(), coordinate());
+        plane.emplace_back(coordinate(), coordinate(), 0);
+    }
+    EXPECT_LT(measure(plane), 4 * measure(scattered));
 }
 
 TEST(RegularTriangulation, HoldsManyCellsPerSite)

@@ -23,7 +23,8 @@ namespace
 constexpr int steps = 14;
 constexpr double cell = 1.2 / steps;
 
-/// Balls of a grid, those within 0.4 of the centre inner, with a tunnel two balls wide along z, or two that cross.
+/// Balls of a grid, those within 0.4 of the centre inner, with a tunnel two balls wide along z, or two that cross, and on demand a small
+/// body beside them.
 struct PlantedTunnel
 {
     std::vector<Ball> balls;
@@ -39,7 +40,7 @@ struct PlantedTunnel
 
     /// Each pair of grid neighbours attracts by 1, opposite labels repel by 1; in the middle of the tunnel, `doubt` of
     /// the evidence says that the tunnel is filled.
-    explicit PlantedTunnel(double doubt, bool crossed = false) : is_crossed(crossed)
+    explicit PlantedTunnel(double doubt, bool crossed = false, bool has_second_body = false) : is_crossed(crossed)
     {
         std::mt19937 random(1);
         for (int x = 0; x <= steps; ++x)
@@ -50,7 +51,9 @@ struct PlantedTunnel
                     for (int k = 0; k < 3; ++k)
                         p[k] += 1e-3 * (random() / 4294967296.0);
                     balls.push_back({p, 0.05});
-                    labels.push_back(p.norm() < 0.4 && !is_tunnel(x, y, z) ? Side::inner : Side::outer);
+                    const bool is_second = has_second_body && std::max({x, y, z}) <= 3 && std::min({x, y, z}) >= 2;
+                    const bool is_inner = is_second || (p.norm() < 0.4 && !is_tunnel(x, y, z));
+                    labels.push_back(is_inner ? Side::inner : Side::outer);
                 }
         regular = PowerDiagram(balls).triangulation();
         scale.assign(balls.size(), 0.05);
@@ -119,6 +122,18 @@ TEST(ShortHandles, FillsADoubtfulTunnelThatIsWiderThanABall)
     EXPECT_TRUE(report.is_closed_oriented_manifold());
     EXPECT_EQ(report.components, 1);
     EXPECT_EQ(report.genus(), 0);
+}
+
+TEST(ShortHandles, FillsATunnelOfOneBodyBesideAnother)
+{
+    // Together they have the Euler characteristic of a sphere.
+    PlantedTunnel planted(0.45, false, true);
+    ASSERT_EQ(planted.report().euler_characteristic, 2);
+    ASSERT_EQ(planted.report().components, 2);
+    EXPECT_GE(planted.remove({}), 2);
+    EXPECT_EQ(planted.report().euler_characteristic, 4);
+    EXPECT_EQ(planted.report().components, 2);
+    EXPECT_EQ(planted.remove({}), 0) << "spheres have no handles";
 }
 
 TEST(ShortHandles, LeavesWhatIsCertainOrLong)

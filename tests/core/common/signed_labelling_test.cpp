@@ -116,6 +116,26 @@ TEST(SignedLabelling, FindsPlantedSidesInSpiteOfLies)
     }
 }
 
+TEST(SignedLabelling, MergedNodesStayTogetherWhateverTheirEdgesSay)
+{
+    // Of two balls that fill one part, the first has the votes, the second most of the surface around it.
+    SignedGraph graph;
+    graph.nodes = 43;
+    graph.is_root.assign(43, 0);
+    graph.merged = {{0, 1}};
+    graph.edges = {{0, 1, 5}};
+    for (int outer = 2; outer < 43; ++outer)
+    {
+        graph.is_root[outer] = 1;
+        graph.edges.push_back({0, outer, -1});
+        graph.edges.push_back({1, outer, 0.5});
+    }
+    std::vector<Side> expected(43, Side::outer);
+    expected[0] = expected[1] = Side::inner;
+    EXPECT_EQ(label_by_best(graph), expected);
+    EXPECT_EQ(label_by_contraction(graph), expected);
+}
+
 TEST(SignedLabelling, ComesCloseToTheLowestEnergyOfSmallGraphs)
 {
     double found = 0, lowest = 0;

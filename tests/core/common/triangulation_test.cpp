@@ -133,6 +133,19 @@ TEST(FindPowerCentre, IsRightOnCellsTooFlatForDouble)
         }
         EXPECT_LT(longest - shortest, 1e-8 * longest) << height;
     }
+    // On one circle, and one of them out of its plane by the last bits: its whole axis is as far from all four but for
+    // rounding, only the middle of these planes exactly.
+    constexpr double x = 0.2196091, y = 0.3343229;
+    for (const double height : {0.0429161397669052, 0.3371, -0.0418097})
+        for (const int bits : {1, 2, 3})
+        {
+            double above = height;
+            for (int k = 0; k < bits; ++k)
+                above = std::nextafter(above, 1.0);
+            const Point ring_centre = find_power_centre(
+                {Point(-x, -y, height), Point(y, -x, above), Point(x, y, height), Point(-x, y, height)}, {0, 0, 0, 0});
+            EXPECT_LT((ring_centre - Point(0, 0, height)).norm(), 1e-9) << height << " " << bits;
+        }
     // Weights move the centre along the axis by a known amount: |x|^2 - 1 = |x - p|^2.
     const Point moved =
         find_power_centre({Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)}, {0.5, 0, 0, 0});

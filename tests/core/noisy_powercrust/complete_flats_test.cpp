@@ -5,7 +5,9 @@
 #include "tests/shapes.h"
 
 #include <recon/complete_flats.h>
+#include <recon/errors.h>
 #include <recon/planar_faces.h>
+#include <recon/spatial_order.h>
 
 #include <gtest/gtest.h>
 
@@ -117,6 +119,52 @@ TEST(CompleteFlats, PutsSamplesOnFacesAndStraightWallsOnly)
     EXPECT_GT(int(completion.points.size()) - on_faces, 300);
 }
 
+TEST(CompleteFlats, FindsNoFaceBetweenOppositeEdgesOfAPlate)
+{
+    // Its edges are sampled so finely that around their samples there are no others: any plane through an edge fits.
+    constexpr int pieces = 120;
+    Points plate;
+    const auto add = [&](double x, double y)
+    {
+        for (const double z : {0.0, 0.5})
+            plate.emplace_back(float(x), float(y), float(z));
+    };
+    for (int k = 0; k < pieces; ++k)
+    {
+        const double along = 4.0 * k / pieces;
+        add(along, 0);
+        add(4, along);
+        add(4 - along, 4);
+        add(0, 4 - along);
+        for (const double x : {0.8, 2.0, 3.2})
+            for (const double y : {0.8, 2.0, 3.2})
+                add(x + 0.4 * std::cos(2 * pi * k / pieces), y + 0.4 * std::sin(2 * pi * k / pieces));
+    }
+    plate = points_at(order_spatially(plate).order, plate);
+    const FlatFaces faces = find_flat_faces(UnitFrame(plate).to_unit(plate));
+    EXPECT_EQ(faces.bare.size(), 2u);
+    for (const FlatFace& face : faces.bare)
+        EXPECT_GT(std::abs(face.normal.z()), 0.999);
+    EXPECT_EQ(reconstruct_noisy_power_crust(plate).genus, 9);
+}
+
+TEST(CompleteFlats, RimsDividedEverFinerHaveSamplesInProportion)
+{
+    // Its walls are as high whatever the spacing of the rims.
+    const auto complete = [](int pieces)
+    {
+        Points tube;
+        for (const double z : {0.0, 0.3})
+            for (const double radius : {0.1, 0.4})
+                append_ring(tube, 0, 0, z, radius, pieces);
+        return complete_flats(tube);
+    };
+    const FlatCompletion coarse = complete(200), fine = complete(800); // pieces of less than half a degree
+    EXPECT_EQ(coarse.faces, 2);
+    EXPECT_EQ(fine.faces, 2);
+    EXPECT_LT(double(fine.points.size()), 6 * double(coarse.points.size()));
+}
+
 TEST(CompleteFlats, LeavesWellSampledCloudsAlone)
 {
     EXPECT_TRUE(complete_flats(shapes::box(6000, Vector(0.6, 0.5, 0.4), 3).points).points.empty());
@@ -221,6 +269,26 @@ TEST(CompleteFlats, PutsNoWallsIntoALathedShape)
         }
         EXPECT_EQ(completion.faces, 2);
         EXPECT_GT(completion.with_all_walls.size(), 100u);
+    }
+}
+
+TEST(CompleteFlats, StopsWhenAskedBetweenRims)
+{
+    const Points points = coupling();
+    int calls = 0;
+    const auto count = [&](double, const std::string&)
+    {
+        ++calls;
+        return true;
+    };
+    complete_flats(points, {}, Progress(count));
+    const int all = calls;
+    for (const int last : {all / 2, all - 1})
+    {
+        calls = 0;
+        const Progress stops([&](double, const std::string&) { return ++calls < last; });
+        EXPECT_THROW(complete_flats(points, {}, stops), Cancelled);
+        EXPECT_EQ(calls, last);
     }
 }
 
