@@ -184,7 +184,7 @@ TEST(RegularTriangulation, HasNoCellsWhereNoVolumeIsSpanned)
 
 TEST(RegularTriangulation, TakesNoLongerWhereAPointSeesAllOthers)
 {
-    // Each point of the plane is inserted beside all that are there: their edges must not share a few buckets.
+    // The centre of a sphere: its edges are more than 20 bits tell apart, and must not queue for the same buckets.
     const auto measure = [](const Points& points)
     {
         const std::clock_t begin = std::clock();
@@ -192,14 +192,17 @@ TEST(RegularTriangulation, TakesNoLongerWhereAPointSeesAllOthers)
         return double(std::clock() - begin);
     };
     std::mt19937 random(1);
-    const auto coordinate = [&] { return random() / 4294967296.0; };
-    Points scattered, plane = {Point(0.5, 0.5, 1)};
-    for (int i = 0; i < 150'000; ++i)
+    Points scattered, sphere;
+    for (int i = 0; i < 300'000; ++i)
     {
-        scattered.emplace_back(coordinate(), coordinate(), coordinate());
-        plane.emplace_back(coordinate(), coordinate(), 0);
+        Point p;
+        for (double& coordinate : p)
+            coordinate = random() / 2147483648.0 - 1;
+        scattered.push_back(p);
+        sphere.push_back(p.normalized());
     }
-    EXPECT_LT(measure(plane), 4 * measure(scattered));
+    sphere.push_back(Point::Zero());
+    EXPECT_LT(measure(sphere), 8 * measure(scattered));
 }
 
 TEST(RegularTriangulation, HoldsManyCellsPerSite)
