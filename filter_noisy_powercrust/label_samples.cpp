@@ -15,8 +15,9 @@ namespace recon
 namespace
 {
 
-/// Up to this share of violated votes a denoised cloud is not searched for bare faces.
-constexpr double calm_votes = 0.005;
+/// Up to the first share of violated votes a denoised cloud is not searched for bare faces, up to the second only if
+/// its crust is bare somewhere: a plate with samples on its rims and bores may come out filled with few objections.
+constexpr double calm_votes = 0.001, calm_votes_of_whole = 0.005;
 /// Widths of the slabs in which planes are sought, in turns, while the votes refuse the completed crust or it is bare
 /// or in pieces [1 = by the noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area
 /// tells.
@@ -152,6 +153,19 @@ LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& l
     if (plain.violated_votes > labelling.most_violated ||
         (cloud.denoised && (plain.violated_votes <= calm_votes || !(cloud.noise > 0))))
         return {std::move(cloud), std::move(plain)};
+    if (cloud.denoised && plain.violated_votes <= calm_votes_of_whole)
+    {
+        times.begin("mismatch");
+        CrustPolygons polygons = list_crust_polygons(plain.regular, plain.labels, labelling.threads);
+        const bool is_bare = measure_bare_area(cloud.distinct, triangulate_polygons(polygons, labelling.threads),
+                                               labelling.threads) > bare_lid;
+        if (!is_bare)
+        {
+            LabelledCloud whole{std::move(cloud), std::move(plain)};
+            whole.polygons = std::move(polygons);
+            return whole;
+        }
+    }
     const Label label_completed = [&](const Points& samples, const Vectors& normals)
     { return label(samples, normals, 0.6, 1); };
     std::optional<CompletedFlats> best = cloud.denoised

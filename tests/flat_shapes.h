@@ -42,6 +42,30 @@ inline recon::Points flange()
     return points;
 }
 
+inline constexpr int plate_bores = 9;
+
+/// A plate with bores, whose four edges and bores have as many pieces each.
+inline recon::Points bored_plate(int pieces)
+{
+    recon::Points points;
+    const auto add = [&](double x, double y)
+    {
+        for (const double z : {0.0, 0.5})
+            points.emplace_back(x, y, z);
+    };
+    for (int k = 0; k < pieces; ++k)
+    {
+        const double along = 4.0 * k / pieces, angle = 2 * pi * k / pieces;
+        add(along, 0);
+        add(4, along);
+        add(4 - along, 4);
+        add(0, 4 - along);
+        for (int bore = 0; bore < plate_bores; ++bore)
+            add(0.8 + 1.2 * (bore / 3) + 0.4 * std::cos(angle), 0.8 + 1.2 * (bore % 3) + 0.4 * std::sin(angle));
+    }
+    return points;
+}
+
 /// One closed surface.
 inline void expect_solid(const recon::TriangleMesh& mesh, int genus, double volume)
 {

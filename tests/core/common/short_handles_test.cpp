@@ -23,8 +23,8 @@ namespace
 constexpr int steps = 14;
 constexpr double cell = 1.2 / steps;
 
-/// Balls of a grid, those within 0.4 of the centre inner, with a tunnel two balls wide along z, or two that cross, and on demand a small
-/// body beside them.
+/// Balls of a grid, those within 0.4 of the centre inner, with a tunnel two balls wide along z, or two that cross, and
+/// on demand a small body beside them.
 struct PlantedTunnel
 {
     std::vector<Ball> balls;

@@ -122,30 +122,15 @@ TEST(CompleteFlats, PutsSamplesOnFacesAndStraightWallsOnly)
 TEST(CompleteFlats, FindsNoFaceBetweenOppositeEdgesOfAPlate)
 {
     // Its edges are sampled so finely that around their samples there are no others: any plane through an edge fits.
-    constexpr int pieces = 120;
-    Points plate;
-    const auto add = [&](double x, double y)
-    {
-        for (const double z : {0.0, 0.5})
-            plate.emplace_back(float(x), float(y), float(z));
-    };
-    for (int k = 0; k < pieces; ++k)
-    {
-        const double along = 4.0 * k / pieces;
-        add(along, 0);
-        add(4, along);
-        add(4 - along, 4);
-        add(0, 4 - along);
-        for (const double x : {0.8, 2.0, 3.2})
-            for (const double y : {0.8, 2.0, 3.2})
-                add(x + 0.4 * std::cos(2 * pi * k / pieces), y + 0.4 * std::sin(2 * pi * k / pieces));
-    }
+    Points plate = bored_plate(120);
+    for (Point& p : plate)
+        p = p.cast<float>().cast<double>();
     plate = points_at(order_spatially(plate).order, plate);
     const FlatFaces faces = find_flat_faces(UnitFrame(plate).to_unit(plate));
     EXPECT_EQ(faces.bare.size(), 2u);
     for (const FlatFace& face : faces.bare)
         EXPECT_GT(std::abs(face.normal.z()), 0.999);
-    EXPECT_EQ(reconstruct_noisy_power_crust(plate).genus, 9);
+    EXPECT_EQ(reconstruct_noisy_power_crust(plate).genus, plate_bores);
 }
 
 TEST(CompleteFlats, RimsDividedEverFinerHaveSamplesInProportion)
