@@ -1,12 +1,15 @@
 #include "label_balls.h"
 
 #include <recon/disjoint_sets.h>
+#include <recon/errors.h>
 #include <recon/parallel.h>
 
 #include <boost/sort/spreadsort/integer_sort.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <functional>
 
 namespace recon
 {
@@ -201,23 +204,28 @@ bool turn_subtrees(Tree& tree, const std::vector<Link>& links)
     return any;
 }
 
-BallLabels label_from(float opposite_factor, int balls, const std::vector<Tie>& ties, int threads)
+/// \param report asked now and then whether to go on: of how much is done.
+BallLabels label_from(float opposite_factor, int balls, const std::vector<Tie>& ties,
+                      const std::function<void(double fraction)>& report)
 {
+    report(0);
     Tree tree = grow_tree(balls, ties, opposite_factor);
-    std::vector<Link> links(ties.size());
-    parallel_for(
-        ties.size(), threads, {},
-        [&](std::size_t i)
-        {
-            const int a = tree.node_of_ball[ties[i].a], b = tree.node_of_ball[ties[i].b];
-            // What no tie links to the outside weighs nothing.
-            links[i] = a < 0 ? Link{0, 0, 0, 0, false}
-                             : Link{a, b, tree.lowest_common_ancestor(a, b), ties[i].weight, ties[i].opposite};
-        },
-        4096);
+    report(0.4);
+    std::vector<Link> links;
+    links.reserve(ties.size());
+    for (const Tie& tie : ties)
+    {
+        const int a = tree.node_of_ball[tie.a], b = tree.node_of_ball[tie.b];
+        // What no tie links to the outside weighs nothing.
+        links.push_back(a < 0 ? Link{0, 0, 0, 0, false}
+                              : Link{a, b, tree.lowest_common_ancestor(a, b), tie.weight, tie.opposite});
+    }
     for (int round = 0; round < most_rounds; ++round)
+    {
+        report(0.7 + 0.3 * round / most_rounds);
         if (!turn_subtrees(tree, links))
             break;
+    }
 
     BallLabels labels;
     labels.side.assign(balls, -1);
@@ -236,12 +244,34 @@ BallLabels label_from(float opposite_factor, int balls, const std::vector<Tie>& 
 
 } // namespace
 
-BallLabels label_balls(int balls, const std::vector<Tie>& ties, int threads)
+BallLabels label_balls(int balls, const std::vector<Tie>& ties, int threads, const Progress& progress)
 {
     constexpr float trusting = 1.5f;
     BallLabels plain, other;
+    std::atomic<bool> is_stopped{false};
     parallel_invoke(
-        threads, [&] { plain = label_from(1, balls, ties, 1); }, [&] { other = label_from(trusting, balls, ties, 1); });
+        threads,
+        [&]
+        {
+            try
+            {
+                plain = label_from(1, balls, ties, [&](double fraction) { progress.report(fraction); });
+            }
+            catch (...)
+            {
+                is_stopped = true;
+                throw;
+            }
+        },
+        [&]
+        {
+            other = label_from(trusting, balls, ties,
+                               [&](double)
+                               {
+                                   if (is_stopped)
+                                       throw Cancelled();
+                               });
+        });
     return other.contradicted < plain.contradicted ? other : plain;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <recon/progress.h>
+
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +27,7 @@ struct BallLabels
 /// its greatest fault is that one wrong tie turns all over that hangs on it, however much the other ties object. So
 /// then whole subtrees change sides where that lowers the weight violated. That ends where no subtree gains, so it
 /// begins from two forests, one of which holds opposite ties for more certain, and the better end stays.
-BallLabels label_balls(int balls, const std::vector<Tie>& ties, int threads);
+/// \throws Cancelled.
+BallLabels label_balls(int balls, const std::vector<Tie>& ties, int threads, const Progress& progress = {});
 
 } // namespace recon

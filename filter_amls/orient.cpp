@@ -277,10 +277,10 @@ double measure_gaps(const Triangulation& t, const Points& points, const std::vec
     return total > 0 ? gaps / total : 0;
 }
 
-BallLabels label(const Balls& balls, const std::vector<Tie>& ties, int threads)
+BallLabels label(const Balls& balls, const std::vector<Tie>& ties, int threads, const Progress& progress)
 {
     const Triangulation& t = balls.delaunay;
-    BallLabels labels = label_balls(t.finite_cells, ties, threads);
+    BallLabels labels = label_balls(t.finite_cells, ties, threads, progress);
     for (int c = 0; c < t.finite_cells; ++c)
         if (is_outermost(t, c))
             labels.side[c] = 1;
@@ -463,14 +463,14 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
     const Triangulation& t = balls.delaunay;
     const Progress sides = progress.part(0.6, 1, "Orientation");
     sides.report(0);
-    BallLabels labels = label(balls, list_ties(balls, points, normals, nullptr, threads), threads);
-    sides.report(0.4);
+    BallLabels labels = label(balls, list_ties(balls, points, normals, nullptr, threads), threads, sides.part(0, 0.4));
 
     Orientation result;
     result.contradicted = labels.contradicted;
     std::vector<double> vote = ask_balls(balls, points, normals, labels.side, threads);
     result.normals = turn_by(vote, normals);
     result.open = measure_gaps(t, points, spacing, labels.side) > open_share;
+    sides.report(0.4);
     const std::optional<Ground> ground =
         result.open ? find_ground(points, times_area(result.normals, spacing)) : std::nullopt;
     if (ground)
@@ -479,8 +479,7 @@ Orientation orient_normals(const Points& points, const Vectors& normals, const s
         GroundedCloud grounded{std::vector<char>(n, 0), spacing};
         for (const int v : ground->members)
             grounded.is_ground[v] = 1;
-        labels = label(balls, list_ties(balls, points, normals, &grounded, threads), threads);
-        sides.report(0.6);
+        labels = label(balls, list_ties(balls, points, normals, &grounded, threads), threads, sides.part(0.4, 0.6));
         result.contradicted = labels.contradicted;
         vote = ask_balls(balls, points, normals, labels.side, threads);
         for (const int v : ground->members)

@@ -179,7 +179,7 @@ bool may_be_a_sheet(const LostSheets& lost, bool is_open, double violated)
 
 bool add_ground(const Points& samples, const Vectors& normals, LostSheets& lost, int threads)
 {
-    const NeighbourSearch search(samples);
+    const BlockSearch search(samples, threads);
     std::vector<double> spacing(samples.size());
     parallel_for(samples.size(), threads, {},
                  [&](std::size_t i) { spacing[i] = measure_spacing_at(samples[i], search); });

@@ -242,7 +242,8 @@ FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& opti
     const WallSamples no_walls(search_present, present);
     if (!found.mere_rims.empty())
     {
-        const Points walls = fill_rim_walls(found, samples, search, no_walls, options.threads, progress.part(0.8, 1, "flat faces"));
+        const Points walls =
+            fill_rim_walls(found, samples, search, no_walls, options.threads, progress.part(0.8, 1, "flat faces"));
         result.with_all_walls = result.points;
         result.with_all_walls.insert(result.with_all_walls.end(), walls.begin(), walls.end());
     }

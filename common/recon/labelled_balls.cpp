@@ -297,18 +297,20 @@ SignedGraph link_balls(const Triangulation& regular, const KeptBalls& kept,
 /// Labels by attraction, votes and, where given, normals. The votes join the edges of `graph`.
 /// \returns the share of the votes that the labels contradict.
 double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samples, const Vectors& normals,
-                   const BallLabellingOptions& options, std::vector<Side>& labels)
+                   const BallLabellingOptions& options, std::vector<Side>& labels, const Progress& progress)
 {
     const bool oriented = !normals.empty() && options.opened.empty();
     const std::size_t attractions = graph.edges.size();
     double violated = 1;
     for (const double strength : {oriented ? oriented_vote : free_vote, flooded_vote})
     {
+        progress.report(violated < 1 ? 0.5 : 0);
         graph.edges.resize(attractions);
         if (oriented)
             labels = label_by_minimum_cut(graph, tie_to_normals(kept.polar, samples, normals, strength));
         for (const SignedEdge& vote : kept.votes)
             graph.edges.push_back({vote.a, vote.b, strength * vote.weight});
+        progress.report(violated < 1 ? 0.75 : 0.25);
         if (oriented)
             SingleMoves(graph, options.threads).improve(labels);
         else
@@ -324,8 +326,9 @@ double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samp
 /// Drops doubtful balls, absorbs islands, removes doubtful and short handles.
 /// \param noise that was taken from the samples [length], 0 = not known.
 void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, const Vectors& normals, double noise,
-            int threads)
+            int threads, const Progress& progress)
 {
+    progress.report(0);
     // Margins come from votes that know no normals: normals decide the labels, independent evidence decides which balls
     // are doubtful. Which short handles stay both decide.
     std::vector<double> margins = measure_margins(graph, balls.labels);
@@ -341,9 +344,11 @@ void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, con
     for (int i = 0; i < graph.nodes; ++i)
         if (is_small[i] && margins[i] < doubtful_below && !balls.kept.is_outside[i])
             doubtful.push_back(i);
+    progress.report(0.1);
     spare_bridges(balls.regular, balls.labels, margins, island_share, doubtful, threads);
     if (!doubtful.empty())
         balls.diagram.remove(doubtful, balls.regular, threads);
+    progress.report(0.3);
     // A cavity or a ball inside it is an island of one visible ball, for which all its samples stand.
     std::vector<int> weight(std::size_t(graph.nodes), 1);
     for (const auto& [hidden, visible] : balls.twins)
@@ -353,7 +358,9 @@ void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, con
                                                     balls.labels, threads) > 0;
          ++round)
         continue;
+    progress.report(0.4);
     cut_handles(balls.regular, graph.is_root, is_small, margins, balls.labels, threads);
+    progress.report(0.5);
     // Removal can bring other balls to the hull; outside is all that is known there.
     for (std::size_t c = std::size_t(balls.regular.finite_cells); c < balls.regular.cells.size(); ++c)
         for (const int v : balls.regular.cells[c].vertices)
@@ -364,7 +371,8 @@ void repair(LabelledBalls& balls, SignedGraph& graph, const Points& samples, con
             }
     const auto outwardness = [&](int ball) { return measure_outwardness(balls.kept, ball, samples, normals); };
     remove_short_handles(balls.regular, graph, balls.kept.balls, balls.scale, margins, outwardness,
-                         options_for_handles(!normals.empty(), noise / balls.spacing, threads), balls.labels);
+                         options_for_handles(!normals.empty(), noise / balls.spacing, threads), balls.labels,
+                         progress.part(0.5, 1));
 }
 
 /// Labels before repair, and what they were found from.
@@ -393,8 +401,9 @@ Labels find_labels(KeptBalls kept, const Points& samples, const Vectors& normals
     for (const int ball : options.opened)
         graph.is_root[ball] = 1;
     std::vector<Side> labels;
-    const double violated = label_balls(graph, kept, samples, normals, options, labels);
-    progress.part(0.8, 1, "labels").report(1);
+    const Progress labelling = progress.part(0.8, 1, "labels");
+    const double violated = label_balls(graph, kept, samples, normals, options, labels, labelling);
+    labelling.report(1);
     return {{std::move(kept.polar), std::move(diagram), std::move(regular), std::move(labels), std::move(kept.scale),
              kept.median_spacing, violated, std::move(twins)},
             std::move(graph)};
@@ -465,8 +474,9 @@ LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const Ba
     if (result.balls.violated_votes > options.most_violated)
         return std::move(result.balls);
     times.begin("repair");
-    repair(result.balls, result.graph, samples, normals, options.noise_taken, options.threads);
-    progress.part(0.85, 1, "repair").report(1);
+    const Progress repairing = progress.part(0.85, 1, "repair");
+    repair(result.balls, result.graph, samples, normals, options.noise_taken, options.threads, repairing);
+    repairing.report(1);
     times.end();
     return std::move(result.balls);
 }

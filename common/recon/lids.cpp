@@ -67,6 +67,8 @@ std::optional<LabelledBalls> label_with_open_lids(const Points& samples, const V
                                                   const LabelledBalls& labelled, BallLabellingOptions options,
                                                   PhaseTimes& times, const Progress& progress)
 {
+    if (labelled.is_shared) // the balls of the next run would have other numbers
+        return {};
     options.opened = list_balls_under_lids(samples, labelled);
     if (options.opened.empty())
         return {};

@@ -44,8 +44,9 @@ std::string describe_thin_walls(bool opened, bool found_with_less_noise, double 
 /// \param samples those that `labelled` was made of. \returns their numbers, ascending.
 std::vector<int> list_balls_under_lids(const Points& samples, const LabelledBalls& labelled);
 
-/// Labels with all lids open; none if there are none, or these do not violate clearly fewer votes. \param samples,
-/// normals, options what `labelled` was made of, in which no balls were shared. \throws Cancelled.
+/// Labels with all lids open; none if there are none, these do not violate clearly fewer votes, or balls were shared:
+/// those of the next run have other numbers. \param samples, normals, options what `labelled` was made of.
+/// \throws Cancelled.
 std::optional<LabelledBalls> label_with_open_lids(const Points& samples, const Vectors& normals,
                                                   const LabelledBalls& labelled, BallLabellingOptions options,
                                                   PhaseTimes& times, const Progress& progress = {});

@@ -1,6 +1,5 @@
 #include <recon/nearest_samples.h>
 
-#include <recon/block_search.h>
 #include <recon/parallel.h>
 #include <recon/simd.h>
 
@@ -122,8 +121,13 @@ private:
 
 NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads, const Progress& progress)
 {
+    return find_nearest_samples(points, samples, BlockSearch(samples, threads), threads, progress);
+}
+
+NearestSamples find_nearest_samples(const Points& points, const Points& samples, const BlockSearch& search, int threads,
+                                    const Progress& progress)
+{
     constexpr std::size_t grain = 4096;
-    const BlockSearch search(samples, threads);
     NearestSamples result{std::vector<int>(points.size()), std::vector<double>(points.size())};
     parallel_chunks(points.size(), threads, grain, progress,
                     [&](std::size_t begin, std::size_t end)

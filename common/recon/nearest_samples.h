@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -18,6 +19,10 @@ struct NearestSamples
 /// Fast where points that follow each other lie side by side. `threads` >= 1. \pre there are samples.
 /// \throws Cancelled.
 NearestSamples find_nearest_samples(const Points& points, const Points& samples, int threads = 1,
+                                    const Progress& progress = {});
+
+/// The same for many lists of points. \param search of the samples.
+NearestSamples find_nearest_samples(const Points& points, const Points& samples, const BlockSearch& search, int threads,
                                     const Progress& progress = {});
 
 } // namespace recon

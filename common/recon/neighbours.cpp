@@ -95,7 +95,11 @@ void NeighbourSearch::within(const Point& query, double radius, std::vector<int>
     tree_->index.findNeighbors(found, query.data(), {});
 }
 
-double measure_spacing_at(const Point& point, const NeighbourSearch& search)
+namespace
+{
+
+template <class Search>
+double measure_mean_distance(const Point& point, const Search& search)
 {
     constexpr int around = 7; // the point itself is the first
     int indices[around];
@@ -104,6 +108,18 @@ double measure_spacing_at(const Point& point, const NeighbourSearch& search)
     for (int k = 1; k < found; ++k)
         sum += std::sqrt(squared[k]);
     return found > 1 ? sum / (found - 1) : 0;
+}
+
+} // namespace
+
+double measure_spacing_at(const Point& point, const NeighbourSearch& search)
+{
+    return measure_mean_distance(point, search);
+}
+
+double measure_spacing_at(const Point& point, const BlockSearch& search)
+{
+    return measure_mean_distance(point, search);
 }
 
 } // namespace recon

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/block_search.h>
 #include <recon/geometry.h>
 
 #include <memory>
@@ -35,5 +36,6 @@ private:
 
 /// Mean distance of `point`, one of those searched, to the six nearest others; 0 if it is alone.
 double measure_spacing_at(const Point& point, const NeighbourSearch& search);
+double measure_spacing_at(const Point& point, const BlockSearch& search);
 
 } // namespace recon

@@ -183,15 +183,28 @@ void RegularTriangulation::insert_side_by_side(const std::vector<int>& sites, in
         w.random = std::uint32_t(k + 1);
     }
     const auto caller = std::this_thread::get_id();
+    std::atomic<bool> is_stopped{false};
+    const auto report = [&](double fraction)
+    {
+        try
+        {
+            progress.report(fraction);
+        }
+        catch (...)
+        {
+            is_stopped = true;
+            throw;
+        }
+    };
     parallel_for(
         count, threads, {},
         [&](std::size_t k)
         {
             Worker& w = workers[k];
-            for (std::size_t i = share(k); i < share(k + 1); ++i)
+            for (std::size_t i = share(k); i < share(k + 1) && !is_stopped; ++i)
             {
                 if (i % report_every == 0 && std::this_thread::get_id() == caller)
-                    progress.report(double(i - share(k)) / double(share(k + 1) - share(k)));
+                    report(double(i - share(k)) / double(share(k + 1) - share(k)));
                 const Outcome outcome = insert(sites[i], w);
                 if (outcome == Outcome::put_off || outcome == Outcome::out_of_cells)
                     w.put_off.push_back(sites[i]);

@@ -212,18 +212,18 @@ private:
         for (int l = 0; l < int(loops_.size()); ++l)
             for (int k = 0; k < int(loops_[l].points.size()); ++k)
                 feet.emplace_back(l, k);
-        std::vector<Wall> walls = parallel_collect<Wall>(feet.size(), threads, progress,
-                                                         [&](std::size_t i, std::vector<Wall>& found)
-                                                         {
-                                                             const auto [l, k] = feet[i];
-                                                             for (const int side : {1, -1})
-                                                             {
-                                                                 const Wall wall = find_wall(l, k, side);
-                                                                 if (wall.top >= 0 &&
-                                                                     is_empty(wall, side * loops_[l].normal))
-                                                                     found.push_back(wall);
-                                                             }
-                                                         });
+        std::vector<Wall> walls =
+            parallel_collect<Wall>(feet.size(), threads, progress,
+                                   [&](std::size_t i, std::vector<Wall>& found)
+                                   {
+                                       const auto [l, k] = feet[i];
+                                       for (const int side : {1, -1})
+                                       {
+                                           const Wall wall = find_wall(l, k, side);
+                                           if (wall.top >= 0 && is_empty(wall, side * loops_[l].normal))
+                                               found.push_back(wall);
+                                       }
+                                   });
         std::stable_sort(walls.begin(), walls.end(), [](const Wall& a, const Wall& b) { return a.height < b.height; });
         for (const Wall& wall : walls)
         {
@@ -243,8 +243,9 @@ private:
         // A query of the nearest from the middle of a circle would visit all of it.
         loop.search.within(p, (1 + straight) * loop.longest_edge, near);
         const auto distance = [&](int k) { return (loop.points[k] - p).squaredNorm(); };
-        const auto nearest = std::min_element(near.begin(), near.end(), [&](int a, int b)
-                                              { return std::pair(distance(a), a) < std::pair(distance(b), b); });
+        const auto nearest =
+            std::min_element(near.begin(), near.end(),
+                             [&](int a, int b) { return std::pair(distance(a), a) < std::pair(distance(b), b); });
         return nearest == near.end() ? -1 : *nearest;
     }
 

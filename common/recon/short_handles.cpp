@@ -244,6 +244,8 @@ double find_longest_ring(const SetMeasures& set, double against, const ShortHand
     return set.scale * (against * options.longest_ring > support ? support / against : options.longest_ring);
 }
 
+constexpr std::size_t report_every = 64; // sets
+
 /// Whether each surface between the sides is a sphere.
 bool are_spheres(const Triangulation& regular, const std::vector<Side>& labels, int threads)
 {
@@ -295,7 +297,7 @@ int measure_interface_euler(const Triangulation& regular, const std::vector<Side
 int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
                          const std::vector<double>& scale, const std::vector<double>& margins,
                          const std::function<double(int ball)>& outwardness, const ShortHandleOptions& options,
-                         std::vector<Side>& labels)
+                         std::vector<Side>& labels, const Progress& progress)
 {
     if (are_spheres(regular, labels, options.threads))
         return 0; // they have no handles
@@ -309,12 +311,15 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
     for (int round = 0; round < options.rounds; ++round)
     {
         int turned = 0;
+        const Progress part = progress.part(double(round) / options.rounds, double(round + 1) / options.rounds);
+        part.report(0);
         // Across the handle or through it, whichever goes against less.
         std::vector<std::vector<int>> inner, outer;
         const auto find = [&](Side side)
         { return group(find_ring_closers(regular, at, side, is_doubtful, margins, labels), regular, at); };
         parallel_invoke(
             options.threads, [&] { inner = find(Side::inner); }, [&] { outer = find(Side::outer); });
+        part.report(0.5);
         std::vector<char> is_listed(labels.size(), 0);
         for (const auto* sets : {&inner, &outer})
             for (const std::vector<int>& set : *sets)
@@ -330,10 +335,12 @@ int remove_short_handles(const Triangulation& regular, const SignedGraph& graph,
             }
         std::stable_sort(closers.begin(), closers.end(),
                          [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (const auto& closer : closers)
+        for (std::size_t k = 0; k < closers.size(); ++k)
         {
+            if (k % report_every == 0)
+                part.report(0.5 + 0.5 * double(k) / double(closers.size()));
             int gain = 0;
-            const std::vector<int> set = narrow(closer.second, evidence, link, regular, at, labels, gain);
+            const std::vector<int> set = narrow(closers[k].second, evidence, link, regular, at, labels, gain);
             if (gain <= 0)
                 continue;
             const SetMeasures measures = measure_set(set, labels[set.front()], balls, scale, outwardness);

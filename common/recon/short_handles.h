@@ -1,6 +1,7 @@
 #pragma once
 
 #include <recon/power_diagram.h>
+#include <recon/progress.h>
 #include <recon/signed_graph.h>
 #include <recon/triangulation.h>
 
@@ -36,11 +37,11 @@ struct ShortHandleOptions
 /// mostly below 200; on clean coarse clouds real holes 50. Components are neither joined nor parted.
 /// \param scale per ball: local scale of the samples [length]. \param margins per ball, see measure_margins().
 /// \param outwardness of a ball, see measure_outwardness().
-/// \returns the number of balls turned.
+/// \returns the number of balls turned. \throws Cancelled.
 int remove_short_handles(const Triangulation& regular, const SignedGraph& graph, const std::vector<Ball>& balls,
                          const std::vector<double>& scale, const std::vector<double>& margins,
                          const std::function<double(int ball)>& outwardness, const ShortHandleOptions& options,
-                         std::vector<Side>& labels);
+                         std::vector<Side>& labels, const Progress& progress = {});
 
 /// Euler characteristic of the surface between the sides. \pre every ball on the hull is outer.
 int measure_interface_euler(const Triangulation& regular, const std::vector<Side>& labels, int threads = 1);

@@ -213,15 +213,15 @@ class Depths
 {
 public:
     Depths(const Points& samples, int backs, int threads)
-        : samples_(samples), scanned_(samples.begin(), samples.end() - backs), search_(scanned_),
-          spacing_(scanned_.size()), threads_(threads)
+        : samples_(samples), sample_search_(samples, threads), scanned_(samples.begin(), samples.end() - backs),
+          search_(scanned_), spacing_(scanned_.size()), threads_(threads)
     {
         parallel_for(scanned_.size(), threads, {},
                      [&](std::size_t i) { spacing_[i] = measure_spacing_at(scanned_[i], search_); });
     }
     std::vector<double> at(const Points& places) const
     {
-        const NearestSamples nearest = find_nearest_samples(places, samples_, threads_);
+        const NearestSamples nearest = find_nearest_samples(places, samples_, sample_search_, threads_);
         std::vector<double> depths(places.size(), 0);
         parallel_for(places.size(), threads_, {},
                      [&](std::size_t i)
@@ -250,6 +250,7 @@ private:
     }
 
     const Points& samples_;
+    BlockSearch sample_search_;
     Points scanned_;
     NeighbourSearch search_;
     std::vector<double> spacing_; ///< Per sample that was scanned.
@@ -291,8 +292,10 @@ std::vector<double> find_largest(const TriangleMesh& mesh, const Progress& progr
 std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double length, int threads,
                                 const Progress& progress)
 {
+    const BlockSearch search(points, threads);
     const std::vector<double> squared = find_largest(
-        mesh, progress, [&](const Points& places) { return find_nearest_samples(places, points, threads).squared; });
+        mesh, progress,
+        [&](const Points& places) { return find_nearest_samples(places, points, search, threads).squared; });
     std::vector<char> keep;
     for (const double s : squared)
         keep.push_back(s <= length * length);
