@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <iterator>
 #include <random>
 
@@ -122,36 +123,63 @@ bool rests_on_noise(const LabelledBalls& labelled, const Points& samples, int b)
 }
 
 /// Greedy cover: largest first, drops each ball that sticks out of one that is kept by less than `redundancy` radii.
-std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vector<int>& candidates, double redundancy)
+std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vector<int>& candidates, double redundancy,
+                                const Progress& progress)
 {
+    constexpr std::size_t report_every = 1024;
     std::vector<int> order = candidates;
     std::sort(order.begin(), order.end(),
               [&](int a, int b)
               { return balls[a].radius != balls[b].radius ? balls[a].radius > balls[b].radius : a < b; });
-    Points centres;
-    for (const int b : order)
-        centres.push_back(balls[b].centre);
-    const NeighbourSearch search(centres);
+    // Balls about as large as another are covered from nearby only, of which a plate's would else be asked for all.
+    struct Class
+    {
+        std::size_t first;
+        double smallest;
+        NeighbourSearch search;
+    };
+    constexpr double alike = 1.1;
+    std::deque<Points> centres_of_classes;
+    std::vector<Class> classes;
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end)
+    {
+        while (end < order.size() && alike * balls[order[end]].radius >= balls[order[begin]].radius)
+            ++end;
+        Points& centres = centres_of_classes.emplace_back();
+        for (std::size_t k = begin; k < end; ++k)
+            centres.push_back(balls[order[k]].centre);
+        classes.push_back({begin, balls[order[end - 1]].radius, NeighbourSearch(centres)});
+    }
     std::vector<char> dropped(order.size(), 0);
     std::vector<int> around, result;
+    std::size_t own = 0;
     for (std::size_t k = 0; k < order.size(); ++k)
     {
+        if (k % report_every == 0)
+            progress.report(double(k) / double(order.size()));
+        while (own + 1 < classes.size() && classes[own + 1].first <= k)
+            ++own;
         if (dropped[k])
             continue;
         const Ball& large = balls[order[k]];
-        // A covered ball's centre lies within this reach: d + r - R <= redundancy r.
-        search.within(large.centre, large.radius, around);
-        for (const int j : around)
+        for (std::size_t c = own; c < classes.size(); ++c)
         {
-            const Ball& small = balls[order[j]];
-            if (j > int(k) && !dropped[j] &&
-                (small.centre - large.centre).norm() + small.radius - large.radius <= redundancy * small.radius)
+            // A covered ball's centre lies within a reach: d + r - R <= redundancy r.
+            const double reach = large.radius - (1 - redundancy) * classes[c].smallest;
+            classes[c].search.within(large.centre, (1 + 1e-9) * reach, around);
+            for (const int i : around)
             {
-                dropped[j] = 1;
-                result.push_back(order[j]);
+                const std::size_t j = classes[c].first + std::size_t(i);
+                const Ball& small = balls[order[j]];
+                if (j > k && !dropped[j] &&
+                    (small.centre - large.centre).norm() + small.radius - large.radius <= redundancy * small.radius)
+                    dropped[j] = 1;
             }
         }
     }
+    for (std::size_t k = 0; k < order.size(); ++k)
+        if (dropped[k])
+            result.push_back(order[k]);
     return result;
 }
 
@@ -163,7 +191,7 @@ struct ChosenBalls
 
 /// \param is_noisy whether balls may rest on noise.
 ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, bool is_noisy,
-                         const PowerShapeOptions& options)
+                         const PowerShapeOptions& options, const Progress& progress)
 {
     const std::vector<Ball>& balls = labelled.kept.balls;
     const std::vector<char> is_visible = mark_vertices(labelled.regular, int(balls.size()));
@@ -182,7 +210,7 @@ ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, b
     }
     if (options.redundancy > 0)
     {
-        const std::vector<int> redundant = find_redundant(balls, chosen.wanted, options.redundancy);
+        const std::vector<int> redundant = find_redundant(balls, chosen.wanted, options.redundancy, progress);
         std::vector<char> gone(balls.size(), 0);
         for (const int b : redundant)
             gone[b] = 1;
@@ -217,7 +245,7 @@ struct UnionMeasure
 /// What is left of many spheres does not quite close, so positions count from the middle of each component: a far one
 /// must not weigh. \pre the balls without the others are those of `diagram`.
 UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>& balls,
-                           const std::vector<char>& is_member, int threads)
+                           const std::vector<char>& is_member, int threads, const Progress& progress)
 {
     // Of many balls a hair's breadth apart on a curve each shows a sliver, which few directions meet.
     constexpr int fewest = 256, most = 16384, in_all = 1 << 24;
@@ -239,7 +267,7 @@ UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>
     };
     std::vector<Part> parts(balls.size());
     DisjointSets components(balls.size());
-    parallel_for(balls.size(), threads, {},
+    parallel_for(balls.size(), threads, progress,
                  [&](std::size_t i)
                  {
                      if (!is_member[i])
@@ -257,15 +285,18 @@ UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>
                              components.join(int(i), j);
                      const double weight = 4 * pi * ball.radius * ball.radius / directions;
                      const Eigen::Matrix3d turn = turn_at_random(unsigned(i));
+                     std::size_t last = 0; // what held one point may hold the next
                      for (const Vector& direction : sphere)
                      {
                          const Vector u = turn * direction;
                          const Point p = ball.centre + ball.radius * u;
-                         bool on_boundary = true;
-                         for (const int j : neighbours)
-                             on_boundary = on_boundary &&
-                                           (p - balls[j].centre).squaredNorm() >= balls[j].radius * balls[j].radius;
-                         if (on_boundary)
+                         const auto holds = [&](int j)
+                         { return (p - balls[j].centre).squaredNorm() < balls[j].radius * balls[j].radius; };
+                         if (last < neighbours.size() && holds(neighbours[last]))
+                             continue;
+                         last = std::size_t(std::find_if(neighbours.begin(), neighbours.end(), holds) -
+                                            neighbours.begin());
+                         if (last == neighbours.size())
                          {
                              parts[i].area += weight;
                              parts[i].flux += weight * p.dot(u);
@@ -355,9 +386,11 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     shape.violated_votes = labelled.violated_votes;
 
     times.begin("power shape");
+    const Progress ending = progress.part(0.9, 1, "power shape");
+    ending.report(0);
     const std::vector<Ball>& balls = labelled.kept.balls;
     const auto [wanted, dropped] =
-        choose_balls(labelled, cloud.samples, shape.noise > noise_of_strays * shape.spacing, options);
+        choose_balls(labelled, cloud.samples, shape.noise > noise_of_strays * shape.spacing, options, ending.part(0, 0.2));
     if (wanted.empty())
         throw AlgorithmFailure(
             "No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");
@@ -365,23 +398,29 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     for (const int b : wanted)
         is_inner[b] = labelled.labels[b] == Side::inner;
     const bool has_inner = std::any_of(is_inner.begin(), is_inner.end(), [](char c) { return c != 0; });
+    ending.report(0.2);
     if (!dropped.empty())
         labelled.diagram.remove(dropped, labelled.regular, labelling.threads);
+    ending.report(0.4);
     if (has_inner)
     {
-        const UnionMeasure measure = measure_union(labelled.regular, balls, is_inner, labelling.threads);
+        const UnionMeasure measure = measure_union(labelled.regular, balls, is_inner, labelling.threads, ending.part(0.4, 0.7));
         shape.union_volume = measure.volume * std::pow(frame.scale(), 3);
         shape.union_area = measure.area * std::pow(frame.scale(), 2);
     }
     std::vector<int> number(balls.size(), -1);
     const NeighbourSearch search(cloud.distinct);
-    for (const int b : wanted)
+    std::vector<int> nearest(wanted.size());
+    parallel_for(wanted.size(), labelling.threads, ending.part(0.7, 0.9),
+                 [&](std::size_t k) { nearest[k] = search.nearest(balls[wanted[k]].centre); });
+    for (std::size_t k = 0; k < wanted.size(); ++k)
     {
+        const int b = wanted[k];
         number[b] = int(shape.centres.size());
         shape.centres.push_back(frame.from_unit(balls[b].centre));
         shape.radii.push_back(balls[b].radius * frame.scale());
         shape.is_inner.push_back(is_inner[b]);
-        shape.nearest_sample.push_back(cloud.order[search.nearest(balls[b].centre)]);
+        shape.nearest_sample.push_back(cloud.order[nearest[k]]);
         shape.largest_radius = std::max(shape.largest_radius, shape.radii.back());
     }
     list_simplices(labelled.regular, labelled.labels, number, shape);
