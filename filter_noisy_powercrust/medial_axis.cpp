@@ -389,8 +389,8 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     const Progress ending = progress.part(0.9, 1, "power shape");
     ending.report(0);
     const std::vector<Ball>& balls = labelled.kept.balls;
-    const auto [wanted, dropped] =
-        choose_balls(labelled, cloud.samples, shape.noise > noise_of_strays * shape.spacing, options, ending.part(0, 0.2));
+    const auto [wanted, dropped] = choose_balls(labelled, cloud.samples, shape.noise > noise_of_strays * shape.spacing,
+                                                options, ending.part(0, 0.2));
     if (wanted.empty())
         throw AlgorithmFailure(
             "No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");
@@ -404,7 +404,8 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     ending.report(0.4);
     if (has_inner)
     {
-        const UnionMeasure measure = measure_union(labelled.regular, balls, is_inner, labelling.threads, ending.part(0.4, 0.7));
+        const UnionMeasure measure =
+            measure_union(labelled.regular, balls, is_inner, labelling.threads, ending.part(0.4, 0.7));
         shape.union_volume = measure.volume * std::pow(frame.scale(), 3);
         shape.union_area = measure.area * std::pow(frame.scale(), 2);
     }

@@ -301,21 +301,22 @@ double label_balls(SignedGraph& graph, const KeptBalls& kept, const Points& samp
 {
     const bool oriented = !normals.empty() && options.opened.empty();
     const std::size_t attractions = graph.edges.size();
-    double violated = 1;
+    double violated = 1, done = 0;
     for (const double strength : {oriented ? oriented_vote : free_vote, flooded_vote})
     {
-        progress.report(violated < 1 ? 0.5 : 0);
+        progress.report(done);
         graph.edges.resize(attractions);
         if (oriented)
             labels = label_by_minimum_cut(graph, tie_to_normals(kept.polar, samples, normals, strength));
         for (const SignedEdge& vote : kept.votes)
             graph.edges.push_back({vote.a, vote.b, strength * vote.weight});
-        progress.report(violated < 1 ? 0.75 : 0.25);
+        progress.report(done + 0.25);
         if (oriented)
             SingleMoves(graph, options.threads).improve(labels);
         else
             labels = label_by_best(graph, options.threads);
         violated = measure_violated_repulsion(kept.votes, labels).share();
+        done = 0.5;
         // What a user asked for is not talked round.
         if (violated <= flooded_above || options.ball_threshold > 0 || options.deep_intersection > 0)
             break;

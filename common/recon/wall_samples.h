@@ -19,8 +19,8 @@ public:
     /// \param present near these no sample stays; outlives this object, as does its search.
     WallSamples(const NeighbourSearch& search, const Points& present) : search_(search), present_(present) {}
 
-    /// From one rim to another, `spacing` apart: farther in between, walls beside others get handles. Only far from
-    /// both rims they are, or rims divided ever finer would have samples by the square.
+    /// From one rim to another, `spacing` apart: where samples are farther apart, walls beside others get handles.
+    /// Only far from both rims they are, as on faces, or rims divided ever finer would have samples by the square.
     void raise(const Point& foot, const Point& end, double spacing)
     {
         const double height = (end - foot).norm(), pieces = std::ceil(height / spacing);
@@ -30,8 +30,8 @@ public:
                 add(foot + (end - foot) * (k / pieces), spacing);
             return;
         }
-        double gap = spacing;
-        for (double above = gap; above < 0.5 * height; above += gap)
+        double gap = spacing; // 0 where squares of distances are too small for a double
+        for (double above = gap; gap > 0 && above < 0.5 * height; above += gap)
         {
             add(foot + (end - foot) * (above / height), gap);
             add(end + (foot - end) * (above / height), gap);
