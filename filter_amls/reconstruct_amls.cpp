@@ -152,7 +152,7 @@ bool open_lids(Attempt& attempt, const Points& points, const AmlsReconstructionO
                PhaseTimes& times, const Progress& progress)
 {
     LabelledSamples& found = attempt.found;
-    if (found.labelled.violated_votes <= objecting_votes || found.labelled.is_shared || found.normals.empty())
+    if (found.labelled.violated_votes <= objecting_votes || found.normals.empty())
         return false;
     const int threads = resolve_threads(options.threads);
     std::optional<LabelledBalls> opened =

@@ -134,21 +134,25 @@ std::vector<int> find_redundant(const std::vector<Ball>& balls, const std::vecto
     // Balls about as large as another are covered from nearby only, of which a plate's would else be asked for all.
     struct Class
     {
+        Class(std::size_t begin, double least, Points positions)
+            : first(begin), smallest(least), centres(std::move(positions)), search(centres)
+        {
+        }
         std::size_t first;
         double smallest;
+        Points centres;
         NeighbourSearch search;
     };
     constexpr double alike = 1.1;
-    std::deque<Points> centres_of_classes;
-    std::vector<Class> classes;
+    std::deque<Class> classes; // stay where they were made: each search refers to its centres
     for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end)
     {
         while (end < order.size() && alike * balls[order[end]].radius >= balls[order[begin]].radius)
             ++end;
-        Points& centres = centres_of_classes.emplace_back();
+        Points centres;
         for (std::size_t k = begin; k < end; ++k)
             centres.push_back(balls[order[k]].centre);
-        classes.push_back({begin, balls[order[end - 1]].radius, NeighbourSearch(centres)});
+        classes.emplace_back(begin, balls[order[end - 1]].radius, std::move(centres));
     }
     std::vector<char> dropped(order.size(), 0);
     std::vector<int> around, result;

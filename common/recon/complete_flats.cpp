@@ -229,11 +229,12 @@ FlatCompletion complete_flats(const Points& samples, const FlatFaceOptions& opti
         faces.emplace_back(face, samples);
     result.faces = int(faces.size());
     const NeighbourSearch search(samples);
+    const Progress filling = progress.part(0.6, 0.8, "flat faces");
+    const double share = 1 / double(faces.size());
     for (std::size_t k = 0; k < faces.size(); ++k)
     {
-        const Progress part = progress.part(0.6 + 0.2 * double(k) / double(faces.size()),
-                                            0.6 + 0.2 * double(k + 1) / double(faces.size()), "flat faces");
-        const Points added = FaceFiller(samples, samples, search, faces[k]).fill(options.threads, part);
+        const Points added = FaceFiller(samples, samples, search, faces[k])
+                                 .fill(options.threads, filling.part(share * double(k), share * double(k + 1)));
         result.points.insert(result.points.end(), added.begin(), added.end());
     }
     Points present = samples;

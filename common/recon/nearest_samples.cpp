@@ -1,5 +1,6 @@
 #include <recon/nearest_samples.h>
 
+#include <recon/block_search.h>
 #include <recon/parallel.h>
 #include <recon/simd.h>
 

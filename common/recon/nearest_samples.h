@@ -1,6 +1,5 @@
 #pragma once
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -8,6 +7,8 @@
 
 namespace recon
 {
+
+class BlockSearch;
 
 /// Per point.
 struct NearestSamples

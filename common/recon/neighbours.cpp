@@ -1,5 +1,7 @@
 #include <recon/neighbours.h>
 
+#include <recon/block_search.h>
+
 #include <nanoflann.hpp>
 
 #include <cmath>

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
 
 #include <memory>
 
 namespace recon
 {
+
+class BlockSearch;
 
 /// Nearest-neighbour queries on a fixed set of points (nanoflann). Queries may run on many threads at once.
 class NeighbourSearch

@@ -1,5 +1,6 @@
 #include <recon/trim.h>
 
+#include <recon/block_search.h>
 #include <recon/crust_mesh.h>
 #include <recon/disjoint_sets.h>
 #include <recon/level_sheet.h>
