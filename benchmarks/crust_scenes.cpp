@@ -1,8 +1,10 @@
 // Scenes over a floor, ray-cast: tables, chairs, shelves, balls, boxes, seen by one to five scanners around or above.
-// crust_scenes <first seed> <scenes> [-o folder]
+// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera]
 // One Markdown row a scene: share of samples whose normal is right (filter "Compute normals"), and share that a crust
 // reaches within 2.5 spacings and faces as they do, by the power crust and by AMLS's reconstruction, both with open
-// holes. Odd seeds are turned at random, so that no axis is up.
+// holes. Odd seeds are turned at random, so that no axis is up. A depth camera sees the scene from one place, half of
+// them before a wall, in pixels whose depth is a whole number of steps that grow with its square; odd seeds are in its
+// own coordinates.
 #include "filter_amls/outward_normals.h"
 #include "filter_amls/reconstruct_amls.h"
 #include "filter_noisy_powercrust/reconstruct.h"
@@ -114,10 +116,9 @@ private:
     shapes::Random random_;
 };
 
-/// Noisy samples that the scanners saw, with the normals of what they lie on. \param spacing least distance, written.
-OrientedSamples scan(Scene& scene, unsigned seed, int& things, int& scanners, double& spacing)
+/// A floor and what stands on it. \returns how many.
+int add_things(Scene& scene, double length, double width)
 {
-    const double length = scene.draw(1.5, 2.5), width = scene.draw(1.5, 2.5);
     scene.add_box({-length, -width, -0.05}, {length, width, 0});
     const int wanted = 1 + scene.draw_index(6);
     Points places;
@@ -130,7 +131,31 @@ OrientedSamples scan(Scene& scene, unsigned seed, int& things, int& scanners, do
             scene.add_thing(p.x(), p.y());
         }
     }
-    things = int(places.size());
+    return int(places.size());
+}
+
+Vector normal_of(const TriangleMesh& mesh, int triangle)
+{
+    const auto& t = mesh.triangles[std::size_t(triangle)];
+    const Point& a = mesh.vertices[t[0]];
+    return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).normalized();
+}
+
+void turn_at_random(Scene& scene, OrientedSamples& samples)
+{
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(
+        scene.draw(0, 2 * pi), Vector(scene.draw(-1, 1), scene.draw(-1, 1), scene.draw(-1, 1)).normalized()));
+    for (Point& p : samples.points)
+        p = turn * p;
+    for (Vector& n : samples.normals)
+        n = turn * n;
+}
+
+/// Noisy samples that the scanners saw, with the normals of what they lie on. \param spacing least distance, written.
+OrientedSamples scan(Scene& scene, unsigned seed, int& things, int& scanners, double& spacing)
+{
+    const double length = scene.draw(1.5, 2.5), width = scene.draw(1.5, 2.5);
+    things = add_things(scene, length, width);
     const MeshDistance surface(scene.mesh);
     scanners = 1 + scene.draw_index(5);
     const bool from_above = scene.draw(0, 1) < 0.3;
@@ -150,10 +175,8 @@ OrientedSamples scan(Scene& scene, unsigned seed, int& things, int& scanners, do
             const MeshDistance::Nearest hit = surface.first_hit(eye, direction.normalized());
             if (hit.triangle < 0)
                 continue;
-            const auto& t = scene.mesh.triangles[std::size_t(hit.triangle)];
-            const Point& a = scene.mesh.vertices[t[0]];
             seen.points.push_back(hit.point);
-            seen.normals.push_back((scene.mesh.vertices[t[1]] - a).cross(scene.mesh.vertices[t[2]] - a).normalized());
+            seen.normals.push_back(normal_of(scene.mesh, hit.triangle));
         }
     }
     spacing = 2 * std::max(length, width) / std::array{120.0, 200.0, 300.0}[std::size_t(scene.draw_index(3))];
@@ -162,13 +185,48 @@ OrientedSamples scan(Scene& scene, unsigned seed, int& things, int& scanners, do
     const double noise = std::array{0.02, 0.15, 0.4}[std::size_t(scene.draw_index(3))];
     result.points = shapes::with_noise(result.points, noise * spacing, seed);
     if (seed % 2 == 1)
+        turn_at_random(scene, result);
+    return result;
+}
+
+/// The same in one frame of a depth camera. \param spacing of its pixels at the mean depth, written.
+OrientedSamples take_frame(Scene& scene, unsigned seed, int& things, double& spacing)
+{
+    const double length = scene.draw(1, 1.6), width = scene.draw(1, 1.6);
+    things = add_things(scene, length, width);
+    if (scene.draw(0, 1) < 0.5)
+        scene.add_box({-length - 0.05, -width, 0}, {-length, width, 1.5});
+    const MeshDistance surface(scene.mesh);
+    const Point eye(length + 0.6, scene.draw(-0.5, 0.5), scene.draw(0.8, 2));
+    const Vector ahead = (Point(0, 0, 0.2) - eye).normalized(), right = ahead.cross(Vector::UnitZ()).normalized(),
+                 up = right.cross(ahead);
+    constexpr int columns = 320, rows = 240;
+    constexpr double pixel = 1.15 / columns; // at a depth of 1
+    const double step = std::array{1e-4, 1e-3, 3e-3}[std::size_t(scene.draw_index(3))];
+    OrientedSamples result;
+    double depths = 0;
+    for (int i = 0; i < rows; ++i)
+        for (int j = 0; j < columns; ++j)
+        {
+            const Vector direction = ahead + pixel * ((j - columns / 2) * right + (rows / 2 - i) * up);
+            const MeshDistance::Nearest hit = surface.first_hit(eye, direction.normalized());
+            if (hit.triangle < 0)
+                continue;
+            const double steps = 1 / (step * (hit.point - eye).dot(ahead));
+            const double depth = 1 / (step * std::round(steps + scene.draw(-0.5, 0.5)));
+            result.points.push_back(eye + depth * direction);
+            result.normals.push_back(normal_of(scene.mesh, hit.triangle));
+            depths += depth;
+        }
+    spacing = pixel * depths / double(result.points.size());
+    if (seed % 2 == 1)
     {
-        const Eigen::Quaterniond turn(Eigen::AngleAxisd(
-            scene.draw(0, 2 * pi), Vector(scene.draw(-1, 1), scene.draw(-1, 1), scene.draw(-1, 1)).normalized()));
+        Eigen::Matrix3d to_camera;
+        to_camera << right, -up, ahead;
         for (Point& p : result.points)
-            p = turn * p;
+            p = to_camera.transpose() * (p - eye);
         for (Vector& n : result.normals)
-            n = turn * n;
+            n = to_camera.transpose() * n;
     }
     return result;
 }
@@ -179,10 +237,16 @@ int main(int argc, char** argv)
 {
     if (argc < 3)
     {
-        std::fprintf(stderr, "usage: %s <first seed> <scenes> [-o folder]\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <first seed> <scenes> [-o folder] [--depth-camera]\n", argv[0]);
         return 2;
     }
-    const std::string folder = argc > 4 && std::strcmp(argv[3], "-o") == 0 ? argv[4] : "";
+    std::string folder;
+    bool by_depth_camera = false;
+    for (int i = 3; i < argc; ++i)
+        if (std::strcmp(argv[i], "--depth-camera") == 0)
+            by_depth_camera = true;
+        else if (std::strcmp(argv[i], "-o") == 0 && i + 1 < argc)
+            folder = argv[++i];
     const int scenes = std::atoi(argv[2]);
     double sums[3] = {0, 0, 0};
     std::printf(
@@ -191,9 +255,10 @@ int main(int argc, char** argv)
     {
         const unsigned seed = unsigned(std::atoi(argv[1]) + i);
         Scene scene(seed);
-        int things, scanners;
+        int things, scanners = 1;
         double spacing;
-        const OrientedSamples cloud = scan(scene, seed, things, scanners, spacing);
+        const OrientedSamples cloud =
+            by_depth_camera ? take_frame(scene, seed, things, spacing) : scan(scene, seed, things, scanners, spacing);
         NoisyPowerCrustOptions crust;
         crust.open_holes = true;
         AmlsReconstructionOptions amls;

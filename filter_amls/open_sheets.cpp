@@ -21,6 +21,13 @@ constexpr double thinnest_lidded = 7;
 /// 0.005 of a scanned statue, whose back would take as long as all else.
 constexpr double much_missed = 0.02;
 
+/// Of what a lidded crust lacks its slab may lack this share, as at pixels that fly between two
+/// depths.
+constexpr double hardly_lacking = 0.25;
+/// Handles per sample that such a slab may have, were there none before: each hole of a sheet, as the shadow of what
+/// stands on it, is one.
+constexpr double many_holes = 1e-3;
+
 /// Of a slab's second attempt [spacings].
 constexpr double other_thickness = 4;
 /// Of a body closed by itself: least triangles [count], and mean thickness, below which it may be a shred between sheet
@@ -43,6 +50,7 @@ struct Found
     bool is_whole() const { return lost.around.empty() && missed <= bearable_miss; }
     bool is_flat() const { return thickness < thinnest_lidded; }
     bool lacks_much() const { return missed > much_missed || lost.share > bearable_lost; }
+    double lack() const { return missed + lost.share; }
 };
 
 Found look_at(const Points& samples, const LabelledBalls& labelled, int threads)
@@ -139,8 +147,11 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
     const Found& backed = best.found;
     const bool has_fewer_handles =
         backed.handles < lidded.handles || (lidded.is_flat() && backed.handles == lidded.handles);
+    const int most_handles = std::max(lidded.handles, int(many_holes * double(samples.size())));
+    const bool lacks_less = backed.lack() <= hardly_lacking * lidded.lack() && backed.handles <= most_handles;
     const bool is_better =
-        backed.is_whole() && (!lidded.is_whole() || has_fewer_handles) && is_all_seen(backed.crust, samples);
+        (lidded.is_whole() ? backed.is_whole() && has_fewer_handles : backed.is_whole() || lacks_less) &&
+        is_all_seen(backed.crust, samples);
     times.end();
     return is_better ? std::optional(std::move(best.sheets)) : std::nullopt;
 }

@@ -6,6 +6,7 @@
 
 #include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
+#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
@@ -25,13 +26,13 @@ namespace
 {
 
 /// \param is_on_surface loses the vertices that go.
-void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, std::vector<char>& is_on_surface, int threads,
-                     const Progress& progress)
+void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, const Points& points,
+                     std::vector<char>& is_on_surface, int threads, const Progress& progress)
 {
     Points samples = found.samples;
     found.frame.from_unit_in_place(samples);
     std::vector<char> left;
-    for (const int former : open_holes(mesh, samples, found.backs, threads, progress))
+    for (const int former : open_holes(mesh, samples, found.backs, threads, progress, find_depth_camera(points)))
         left.push_back(is_on_surface[former]);
     is_on_surface = std::move(left);
 }
@@ -250,7 +251,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     result.mesh = std::move(attempt.mesh);
     std::vector<char>& is_on_surface = attempt.is_on_surface;
     if (options.open_holes)
-        open_amls_holes(result.mesh, found, is_on_surface, threads, progress.part(0.95, 0.97, "holes"));
+        open_amls_holes(result.mesh, found, points, is_on_surface, threads, progress.part(0.95, 0.97, "holes"));
     result.vertices_on_surface = int(std::count(is_on_surface.begin(), is_on_surface.end(), 1));
     const NeighbourSearch search(points);
     result.nearest_sample.resize(result.mesh.vertices.size());

@@ -10,6 +10,7 @@
 #include "surface_data.h"
 
 #include <recon/block_search.h>
+#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/level_sheet.h>
 #include <recon/median.h>
@@ -130,9 +131,16 @@ bool faces_down(const Points& points, const Orientation& orientation, const std:
     return !open.empty() && is_upside_down(open, normals_of_open);
 }
 
-/// Sides of the landmarks, from which all cells take theirs, or from given normals.
-Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Vectors& given_normals,
-                   bool terrain_faces_up, int threads, const Progress& progress)
+void face(const Point& camera, const Points& points, Vectors& normals)
+{
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (normals[i].dot(camera - points[i]) < 0)
+            normals[i] = -normals[i];
+}
+
+/// Sides of the landmarks, from which all cells take theirs, or from given normals. \param points as given.
+Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorChoice& choice,
+                   const Vectors& given_normals, int threads, const Progress& progress)
 {
     CellNormals& normals = data.cell_normals;
     Points landmarks;
@@ -144,8 +152,13 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice, const Ve
     }
     Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads,
                                              progress.part(0, 0.5, "Orientation"));
-    if (orientation.open && terrain_faces_up && faces_down(landmarks, orientation, choice.landmark_spacing))
-        turn_over(orientation.normals, orientation.is_closed);
+    if (orientation.open)
+    {
+        if (const std::optional<Point> camera = find_depth_camera(points))
+            face(data.frame.to_unit(*camera), landmarks, orientation.normals);
+        else if (faces_down(landmarks, orientation, choice.landmark_spacing))
+            turn_over(orientation.normals, orientation.is_closed);
+    }
     orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     if (!given_normals.empty()) // cells of which none says anything keep the sides found
         orient_by_given(data.cells, points_at(data.spatial.order, given_normals), normals.normals);
@@ -298,8 +311,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("orientation");
-    const Orientation orientation =
-        orient(*data, choice, given_normals, !options.for_crust, threads, progress.part(0.35, 0.85));
+    const Orientation orientation = orient(*data, points, choice, given_normals, threads, progress.part(0.35, 0.85));
 
     times.begin("fit");
     progress.part(0.85, 0.95, "Fit").report(0);

@@ -24,6 +24,11 @@ namespace
 /// Handles per sample above which lost sheets are lace, and share of them that backs may leave, or no more of them but
 /// clearly fewer violated votes. Of a flooded crust or a ground the votes alone count.
 constexpr double bearable_handles = 2e-4, whole_again = 0.5;
+/// Share of the violated votes that backs may leave over a ground, with no more handles than before.
+constexpr double backed_ground = 0.75;
+
+/// Noise below which an open sheet may be taken for exact [spacings]: coarse and rough ones read as noise, too.
+constexpr double exact_below = 0.2;
 
 /// Which attempt stays, but for lost walls, see look_for_walls().
 class CloudLabeller
@@ -79,7 +84,9 @@ public:
             best.reset();
         {
             LabelledCloud second = attempts_.prepare_and_label(Denoise::on, attempts_.options.noise,
-                                                               progress.part(0.3, 0.7, "second attempt"));
+                                                               progress.part(0.3, 0.6, "second attempt"));
+            if (back_noisy_sheet(second, progress.part(0.6, 0.7)))
+                return second;
             if (second.labelled.violated_votes < violated)
             {
                 if (is_flooded)
@@ -91,23 +98,35 @@ public:
         return best ? std::move(best->attempt) : make_first(progress.part(0.7, 1, "first attempt again"));
     }
 
+    /// A noisy open sheet without a ground, with a back where it needs one. \returns whether it got one: then nothing
+    /// else is wrong with it. Asked again of the same samples it says no.
+    bool back_noisy_sheet(LabelledCloud& found, const Progress& progress)
+    {
+        if (!is_open(found.cloud) || found.completed > 0 || found.opened || attempts_.points.size() > most_points_twice)
+            return false;
+        if (std::exchange(asked_at_, found.cloud.noise) == found.cloud.noise)
+            return false;
+        if (LostSheets none; add_ground(found.cloud, none))
+            return false;
+        std::optional<BackedSheets> sheet =
+            recon::back_open_sheet(found.cloud.samples, found.cloud.normals, found.labelled,
+                                   attempts_.usual_options_for(found.cloud), attempts_.times, progress);
+        if (!sheet)
+            return false;
+        take(found, std::move(*sheet));
+        found.is_settled = true;
+        return true;
+    }
+
     /// A scan whose sheets have the outside on both sides, with backs behind these.
     LabelledCloud back_lost_sheets(LabelledCloud found, const Progress& progress)
     {
-        if (found.completed > 0)
+        if (found.completed > 0 || back_noisy_sheet(found, progress))
             return found;
         // Where lids were opened the poles were sought along normals that have been turned since.
         LostSheets lost = find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened,
                                            attempts_.threads());
         const bool has_ground = add_ground(found.cloud, lost);
-        if (is_open(found.cloud) && !has_ground && !found.opened && attempts_.points.size() <= most_points_twice)
-            if (std::optional<BackedSheets> sheet =
-                    recon::back_open_sheet(found.cloud.samples, found.cloud.normals, found.labelled,
-                                           attempts_.usual_options_for(found.cloud), attempts_.times, progress))
-            {
-                take(found, std::move(*sheet));
-                return found;
-            }
         if (lost.share <= bearable_lost)
             return back_some_sheets(std::move(found), lost, progress);
         const double handles = measure_closed_topology(attempts_.extract(found)).genus(),
@@ -125,13 +144,14 @@ public:
         std::optional<LabelledCloud> slabs = label_slabs(found, lost, progress);
         if (!slabs)
             return found;
-        const bool has_fewer_violated = slabs->labelled.violated_votes <= clearly_backed * violated;
-        const double most_handles = has_fewer_violated ? handles : whole_again * handles;
+        const double left = slabs->labelled.violated_votes;
         // Between a ground's samples are cracks rather than handles.
         const bool votes_alone = has_ground || (!is_lace && violated > flooded_above);
-        const bool is_better =
-            (has_fewer_violated || (is_lace && !has_ground)) &&
-            (votes_alone || measure_closed_topology(attempts_.extract(*slabs)).genus() <= most_handles);
+        const auto has_at_most = [&](double most)
+        { return measure_closed_topology(attempts_.extract(*slabs)).genus() <= most; };
+        const bool is_better = left <= clearly_backed * violated ? votes_alone || has_at_most(handles)
+                               : has_ground ? left <= backed_ground * violated && has_at_most(handles)
+                                            : is_lace && has_at_most(whole_again * handles);
         if (is_better)
             return std::move(*slabs);
         return is_whole_otherwise ? back_some_sheets(std::move(found), lost, progress) : std::move(found);
@@ -190,7 +210,8 @@ private:
         PreparedSamples& cloud = found.cloud;
         if (found.completed > 0 || attempts_.points.size() > most_points_twice)
             return;
-        if (!attempts_.find_clean_surface(cloud, progress.part(0, 0.4)).report().open)
+        const AmlsSurfaceReport report = attempts_.find_clean_surface(cloud, progress.part(0, 0.4)).report();
+        if (!report.open || report.noise > exact_below * report.spacing)
             return;
         const Vectors normals = attempts_.list_clean_normals(cloud, progress.part(0.4, 0.5));
         if (LostSheets none; recon::add_ground(cloud.samples, normals, none, attempts_.threads()))
@@ -238,6 +259,7 @@ private:
     static bool is_open(const PreparedSamples& cloud) { return cloud.denoised && cloud.surface->report().open; }
 
     Attempts& attempts_;
+    double asked_at_ = -1; ///< Noise of the samples that back_noisy_sheet() was last asked of.
 };
 
 } // namespace
@@ -262,7 +284,11 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
         first = labeller.orient_walls(std::move(first), progress.part(0.8, 0.9, "thin walls"));
     }
     else if (first.cloud.denoised && options.noise == 0)
-        first = look_for_walls(attempts, std::move(first), progress.part(0.7, 0.9, "other attempts"));
+    {
+        if (labeller.back_noisy_sheet(first, progress.part(0.7, 0.75, "backs of sheets")))
+            return first;
+        first = look_for_walls(attempts, std::move(first), progress.part(0.75, 0.9, "other attempts"));
+    }
     if (has_bare_flats)
         return first;
     return labeller.back_lost_sheets(std::move(first), progress.part(0.9, 1, "lost sheets"));

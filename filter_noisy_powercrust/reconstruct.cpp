@@ -5,6 +5,7 @@
 #include "sharp_edges.h"
 
 #include <recon/crust_mesh.h>
+#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/lids.h>
@@ -16,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace recon
@@ -142,16 +144,21 @@ DroppedBodies make_surface(LabelledCloud& found, const NoisyPowerCrustOptions& o
 }
 
 /// What was asked to be open is opened. \throws AlgorithmFailure if nothing is left.
-void open_surface(TriangleMesh& mesh, const LabelledCloud& found, const NoisyPowerCrustOptions& options,
-                  const Progress& progress)
+void open_surface(TriangleMesh& mesh, const LabelledCloud& found, const Points& points,
+                  const NoisyPowerCrustOptions& options, const Progress& progress)
 {
+    if (!(options.trim_length > 0) && !options.open_holes)
+        return;
     const PreparedSamples& cloud = found.cloud;
+    std::optional<Point> camera = find_depth_camera(points);
+    if (camera)
+        camera = cloud.frame.to_unit(*camera);
     const int threads = resolve_threads(options.threads);
     if (options.trim_length > 0)
         trim_by_length(mesh, cloud.distinct, options.trim_length / cloud.frame.scale(), threads,
-                       progress.part(0, 1, "trimming"));
-    else if (options.open_holes)
-        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"));
+                       progress.part(0, 1, "trimming"), camera);
+    else
+        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"), camera);
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");
@@ -182,7 +189,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     report_labels(found, options, result);
     const DroppedBodies dropped = make_surface(found, options, result, times, progress.part(0.75, 0.95));
     times.begin("finish");
-    open_surface(result.mesh, found, options, progress.part(0.95, 0.97));
+    open_surface(result.mesh, found, points, options, progress.part(0.95, 0.97));
     const NearestSamples nearest = find_nearest_samples(result.mesh.vertices, found.cloud.distinct, labelling.threads,
                                                         progress.part(0.97, 1, "nearest points"));
     for (const int sample : nearest.sample)

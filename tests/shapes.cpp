@@ -412,6 +412,37 @@ OrientedSamples table_over_a_floor(std::uint64_t seed)
     return scene;
 }
 
+OrientedSamples depth_frame(int columns, double step, std::uint64_t seed)
+{
+    Random random(seed);
+    const double pixel = 1.0 / columns, radius = 0.4, height = 0.6;
+    const Point ball(0.4, 0.2, 2.6);
+    OrientedSamples frame;
+    for (int i = 0; i < columns * 3 / 4; ++i)
+        for (int j = 0; j < columns; ++j)
+        {
+            const Vector ray((j - columns / 2.0) * pixel, (i - columns * 3 / 8.0) * pixel, 1);
+            double depth = 4;
+            Vector normal(0, 0, -1);
+            if (ray.y() * depth > height)
+            {
+                depth = height / ray.y();
+                normal = -Vector::UnitY();
+            }
+            const double along = ray.dot(ball),
+                         under = along * along - ray.squaredNorm() * (ball.squaredNorm() - radius * radius);
+            if (under > 0)
+            {
+                depth = (along - std::sqrt(under)) / ray.squaredNorm();
+                normal = (depth * ray - ball).normalized();
+            }
+            depth = 1 / (step * std::round(1 / (step * depth) + uniform(random) - 0.5));
+            frame.points.push_back(depth * ray);
+            frame.normals.push_back(normal);
+        }
+    return frame;
+}
+
 OrientedSamples ball_apart_from_a_floor(const Point& centre, double radius, std::uint64_t seed)
 {
     OrientedSamples scene = sphere(int(std::lround(4 * pi * radius * radius)), radius, seed);

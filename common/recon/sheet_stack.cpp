@@ -28,6 +28,13 @@ constexpr double half_slab = 0.15;
 constexpr double largest_in_gap = 0.15, hopeless_in_gap = 0.5;
 /// Share of them that must lie beyond the gap.
 constexpr double least_beyond = 0.5;
+/// Seen along the normal, points of other sheets lie this near to a sheet's own by chance [spacings of all together].
+constexpr double by_chance = 0.5;
+/// Share of the pairs to be expected of sheets. The steps of a depth camera or a range image have none: each of its
+/// pixels has one depth.
+constexpr double least_pairs = 0.25;
+/// Standard deviation across its length below which a sheet is a line [radii]; half a disc has 0.26.
+constexpr double row_width = 0.2;
 
 using simd::FloatLanes;
 
@@ -118,6 +125,53 @@ double correct_for_slab(double seen)
     return sigma;
 }
 
+/// Places in the plane of the sheet [radii].
+std::vector<Eigen::Vector2d> list_across(const Neighbourhood& around, const Eigen::Matrix3d& frame)
+{
+    std::vector<Eigen::Vector2d> result;
+    for (const Vector& place : around.places)
+        result.push_back((frame * place).tail<2>());
+    return result;
+}
+
+/// Whether the members are hardly more than a line: a row of a scan, which lies in one plane with the scanner, whatever
+/// the noise along its rays.
+bool are_row(const std::vector<Eigen::Vector2d>& across, const std::vector<int>& members)
+{
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+    for (const int i : members)
+    {
+        mean += across[std::size_t(i)];
+        squares += across[std::size_t(i)] * across[std::size_t(i)].transpose();
+    }
+    mean /= double(members.size());
+    const Eigen::Matrix2d spread = squares / double(members.size()) - mean * mean.transpose();
+    const double half = spread.trace() / 2, least = half - std::sqrt(std::max(half * half - spread.determinant(), 0.0));
+    return least < row_width * row_width;
+}
+
+/// Whether the others fill the gaps between the members, as seen along the normal: steps of one surface rather than
+/// sheets. \param members ascending.
+bool fill_gaps(const std::vector<Eigen::Vector2d>& across, const std::vector<int>& members)
+{
+    const double all = double(across.size()), near = by_chance * by_chance * pi / all;
+    std::size_t next = 0;
+    int pairs = 0;
+    for (int i = 0; i < int(across.size()); ++i)
+    {
+        if (next < members.size() && members[next] == i)
+        {
+            ++next;
+            continue;
+        }
+        for (const int k : members)
+            pairs += (across[std::size_t(k)] - across[std::size_t(i)]).squaredNorm() < near;
+    }
+    const double inside = double(members.size());
+    return pairs < least_pairs * near * inside * (all - inside);
+}
+
 /// The slab around the plane, bent to a quadric. Nothing if what lies beside it is no gap, or nothing lies beyond.
 std::optional<StackedSheet> fit_sheet(const Neighbourhood& around, const Vector& normal, double radius)
 {
@@ -162,6 +216,9 @@ std::optional<StackedSheet> fit_sheet(const Neighbourhood& around, const Vector&
     const int inside = int(members.size());
     if (inside < 2 * patch_coefficients || in_gap > largest_in_gap * inside ||
         n - inside - in_gap < least_beyond * inside)
+        return {};
+    const std::vector<Eigen::Vector2d> across = list_across(around, frame);
+    if (are_row(across, members) || fill_gaps(across, members))
         return {};
     return StackedSheet{radius * correct_for_slab(std::sqrt(squares / (inside - patch_coefficients))),
                         inside / (pi * radius * radius), std::move(members)};

@@ -99,3 +99,9 @@ TEST(FindStackedSheet, FindsNoneAmongFewEqualOrCollinearPoints)
         near[std::size_t(i)] = i;
     EXPECT_FALSE(find_stacked_sheet(equal, equal[0], near.data(), std::vector<double>(equal.size(), 0).data(), 200));
 }
+
+TEST(FindStackedSheet, FindsNoneInTheStepsAndRowsOfADepthCamera)
+{
+    // Depths of the wall lie 1.5 pixels apart, and pixels of the floor in planes of rows.
+    EXPECT_LT(share_in_stacks(shapes::depth_frame(240, 0.0015, 4).points, 37), 0.15);
+}

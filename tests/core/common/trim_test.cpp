@@ -207,3 +207,14 @@ TEST(TrimByLength, ATerrainFacesUp)
     trim_by_length(dome, dome.vertices, 1);
     EXPECT_NEAR(mean_rise(dome), -1, 1e-9);
 }
+
+TEST(TrimByLength, PartsFaceTheCamera)
+{
+    for (const double z : {-50, 50})
+        for (const bool up : {false, true})
+        {
+            TriangleMesh terrain = make_terrain(0.1, up);
+            trim_by_length(terrain, terrain.vertices, 1, 1, {}, Point(0, 0, z));
+            EXPECT_EQ(mean_rise(terrain) > 0, z > 0) << z << " " << up;
+        }
+}

@@ -109,3 +109,16 @@ TEST(NoisyPowerCrust, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
     checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);
 }
+
+TEST(NoisyPowerCrust, MakesASlabOfADepthImage)
+{
+    for (const double step : {0.0005, 0.003}) // a quarter and one and a half of its pixels at the wall
+    {
+        const OrientedSamples frame = shapes::depth_frame(120, step, 4);
+        EXPECT_GT(checks::share_faced(mesh_of_scene(frame.points, true), frame, 0.1), 0.95) << step;
+        NoisyPowerCrustOptions closed;
+        const NoisyPowerCrust slab = reconstruct_noisy_power_crust(frame.points, closed);
+        EXPECT_EQ(slab.boundary_loops, 0);
+        EXPECT_GT(checks::share_faced(slab.mesh, frame, 0.1), 0.95) << step;
+    }
+}
