@@ -133,7 +133,7 @@ std::vector<int> find_isolated_points(const Points& points, int threads, const P
     if (!may_have_isolated_points(points, search))
         return {};
     PhaseTimes times;
-    const SurfaceCells made = make_cells_twice(points, search, 0, threads, times, progress);
+    const SurfaceCells made = make_cells_twice(points, search, 0, {}, threads, times, progress);
     return with_strays(list_outliers(made.cells, made.normals), points, threads);
 }
 

@@ -23,10 +23,10 @@ constexpr double much_missed = 0.02;
 
 /// Of what a lidded crust lacks its slab may lack this share, as at pixels that fly between two
 /// depths.
-constexpr double hardly_lacking = 0.25;
+constexpr double hardly_lacking = 0.35;
 /// Handles per sample that such a slab may have, were there none before: each hole of a sheet, as the shadow of what
 /// stands on it, is one.
-constexpr double many_holes = 1e-3;
+constexpr double many_holes = 2e-3;
 
 /// Of a slab's second attempt [spacings].
 constexpr double other_thickness = 4;

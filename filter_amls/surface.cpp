@@ -154,8 +154,8 @@ Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorCh
                                              progress.part(0, 0.5, "Orientation"));
     if (orientation.open)
     {
-        if (const std::optional<Point> camera = find_depth_camera(points))
-            face(data.frame.to_unit(*camera), landmarks, orientation.normals);
+        if (const std::optional<DepthCamera> camera = find_depth_camera(points))
+            face(data.frame.to_unit(camera->place), landmarks, orientation.normals);
         else if (faces_down(landmarks, orientation, choice.landmark_spacing))
             turn_over(orientation.normals, orientation.is_closed);
     }
@@ -292,8 +292,11 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     data->point_search = BlockSearch(data->points, threads);
     data->crust =
         earlier && earlier->data().points == data->points ? earlier->data().crust : std::make_shared<CrustOfPoints>();
-    SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), threads,
-                                         times, progress.part(0, 0.35));
+    std::optional<DepthCamera> camera = find_coarse_depth_camera(points_at(data->spatial.order, points));
+    if (camera)
+        camera = camera->in(frame);
+    SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), camera,
+                                         threads, times, progress.part(0, 0.35));
     const NoiseEstimate noise = std::move(made.noise);
     data->cells = std::move(made.cells);
     data->cell_search = std::move(made.search);

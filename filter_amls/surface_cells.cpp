@@ -1,5 +1,6 @@
 #include "surface_cells.h"
 
+#include <cmath>
 #include <utility>
 
 namespace recon
@@ -11,12 +12,28 @@ namespace
 constexpr double few_outliers = 0.001, many_outliers = 0.3;
 /// Widths from the nearest other cell from which an outlier is no part of a thin, sparse wall.
 constexpr double far_off = 3;
+/// Share of the error of rounding to a step below which the estimate looked at one step alone.
+constexpr double within_step = 0.3;
 
 /// The noise the user gave in place of the estimate's.
 NoiseEstimate with_given_noise(const NoiseEstimate& estimate, double sigma)
 {
     return NoiseEstimate(estimate.seeds(), std::vector<double>(std::size_t(estimate.size()), sigma),
                          estimate.density());
+}
+
+/// With the error of rounding where all around lie in one step of the camera's.
+NoiseEstimate with_steps(const NoiseEstimate& estimate, const DepthCamera& camera, const Points& points,
+                         const BlockSearch& search)
+{
+    std::vector<double> sigma = estimate.sigma();
+    for (std::size_t i = 0; i < sigma.size(); ++i)
+    {
+        const double rounding = camera.step_at(estimate.seeds()[i]) / std::sqrt(12.0);
+        if (sigma[i] < within_step * rounding && camera.is_in_step(estimate.seeds()[i], points, search))
+            sigma[i] = rounding;
+    }
+    return NoiseEstimate(estimate.seeds(), std::move(sigma), estimate.density());
 }
 
 /// How many of the outliers lie far from everything else.
@@ -53,8 +70,9 @@ std::vector<int> list_outliers(const Cells& cells, const CellNormals& normals)
     return outliers;
 }
 
-SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise, int threads,
-                        PhaseTimes& times, const Progress& progress)
+SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise,
+                        const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
+                        const Progress& progress)
 {
     times.begin("noise");
     NoiseOptions options;
@@ -62,6 +80,8 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
     SurfaceCells made{estimate_noise(points, options, progress.part(0, 0.15, "Noise")), {}, {}, {}};
     if (given_noise > 0)
         made.noise = with_given_noise(made.noise, given_noise);
+    else if (camera)
+        made.noise = with_steps(made.noise, *camera, points, search);
     times.begin("width");
     const LocalScales scales = choose_widths(points, search, made.noise, threads, progress.part(0.15, 0.45, "Width"));
     times.begin("cells");
@@ -72,10 +92,11 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
     return made;
 }
 
-SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise, int threads,
-                              PhaseTimes& times, const Progress& progress)
+SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise,
+                              const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
+                              const Progress& progress)
 {
-    SurfaceCells first = make_cells(points, search, given_noise, threads, times, progress.part(0, 0.6));
+    SurfaceCells first = make_cells(points, search, given_noise, camera, threads, times, progress.part(0, 0.6));
     const std::vector<int> outliers = list_outliers(first.cells, first.normals);
     const auto few = few_outliers * double(points.size()), many = many_outliers * double(points.size());
     if (double(outliers.size()) > many || double(outliers.size()) < few || count_far(outliers, points, first) < few)
@@ -83,7 +104,7 @@ SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, d
     const std::vector<int> others = list_others(points.size(), outliers);
     const Points rest = points_at(others, points);
     SurfaceCells made =
-        make_cells(rest, BlockSearch(rest, threads), given_noise, threads, times, progress.part(0.6, 1));
+        make_cells(rest, BlockSearch(rest, threads), given_noise, camera, threads, times, progress.part(0.6, 1));
     Cells& cells = made.cells;
     std::vector<int> cell_of_point(points.size());
     for (std::size_t i = 0; i < rest.size(); ++i)

@@ -3,9 +3,12 @@
 #include "cells.h"
 
 #include <recon/block_search.h>
+#include <recon/depth_image.h>
 #include <recon/geometry.h>
 #include <recon/noise.h>
 #include <recon/progress.h>
+
+#include <optional>
 
 namespace recon
 {
@@ -20,14 +23,17 @@ struct SurfaceCells
 };
 
 /// Steps 1 to 4 of README.md: noise, widths, cells, their unsigned normals. \param points distinct, in spatial order,
-/// of unit scale. \param search of the points. \param given_noise standard deviation [length], 0 = estimate.
-SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise, int threads,
-                        PhaseTimes& times, const Progress& progress = {});
+/// of unit scale. \param search of the points. \param given_noise standard deviation [length], 0 = estimate. \param
+/// camera with coarse depths, if one saw them: where all around are of one depth, the noise is that of rounding to it.
+SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise,
+                        const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
+                        const Progress& progress = {});
 
 /// The same, and if there are outliers again without them, since they blur scales and are company of others. They come
 /// last then, each a cell. Not if hardly any lies far from all else: those are samples of thin, sparse walls.
-SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise, int threads,
-                              PhaseTimes& times, const Progress& progress = {});
+SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise,
+                              const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
+                              const Progress& progress = {});
 
 /// Indices of the points in cells of kind outlier, ascending.
 std::vector<int> list_outliers(const Cells& cells, const CellNormals& normals);

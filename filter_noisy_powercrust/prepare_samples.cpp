@@ -5,6 +5,7 @@
 #include "filter_amls/surface_data.h"
 
 #include <recon/cleanness.h>
+#include <recon/depth_image.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
 
@@ -69,8 +70,10 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     }
     result.stacked = cleanness.stacked;
     result.cleanness = cleanness.share();
+    // All points of a step lie in a plane, but for noise that the others tell.
+    const bool has_steps = options.denoise == Denoise::automatic && find_coarse_depth_camera(sorted);
     // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however coarse.
-    if (options.denoise == Denoise::automatic && options.noise == 0)
+    if (options.denoise == Denoise::automatic && options.noise == 0 && !has_steps)
     {
         times.begin("flat faces");
         FlatFaceOptions exactly_flat;
@@ -80,7 +83,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     const bool is_noisy_in_parts = cleanness.is_noisy_in_parts();
     const bool is_exact = !is_noisy_in_parts && !result.completion.points.empty();
     times.begin("gate");
-    result.is_noisy = is_noisy_in_parts || (!cleanness.is_clean() && !is_exact);
+    result.is_noisy = has_steps || is_noisy_in_parts || (!cleanness.is_clean() && !is_exact);
     if (!result.is_noisy && !is_exact)
     {
         result.is_doubtful = cleanness.is_doubtful();

@@ -150,9 +150,9 @@ void open_surface(TriangleMesh& mesh, const LabelledCloud& found, const Points& 
     if (!(options.trim_length > 0) && !options.open_holes)
         return;
     const PreparedSamples& cloud = found.cloud;
-    std::optional<Point> camera = find_depth_camera(points);
+    std::optional<DepthCamera> camera = find_depth_camera(points);
     if (camera)
-        camera = cloud.frame.to_unit(*camera);
+        camera = camera->in(cloud.frame);
     const int threads = resolve_threads(options.threads);
     if (options.trim_length > 0)
         trim_by_length(mesh, cloud.distinct, options.trim_length / cloud.frame.scale(), threads,

@@ -135,7 +135,7 @@ bool faces_away(const Point& camera, const Points& centres, const Vectors& norma
 }
 
 /// Turns parts so that they face the camera, or up, if they are open level sheets.
-void turn_parts(TriangleMesh& mesh, const std::optional<Point>& camera)
+void turn_parts(TriangleMesh& mesh, const std::optional<DepthCamera>& camera)
 {
     const MeshComponents components = find_components(mesh);
     std::vector<std::vector<int>> members(std::size_t(components.count));
@@ -152,7 +152,7 @@ void turn_parts(TriangleMesh& mesh, const std::optional<Point>& camera)
             centres.push_back(centre_of(mesh, t));
             normals.push_back((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a));
         }
-        if (!(camera ? faces_away(*camera, centres, normals) : is_upside_down(centres, normals)))
+        if (!(camera ? faces_away(camera->place, centres, normals) : is_upside_down(centres, normals)))
             continue;
         for (const int i : part)
             turn(mesh, i);
@@ -160,7 +160,7 @@ void turn_parts(TriangleMesh& mesh, const std::optional<Point>& camera)
 }
 
 /// Drops triangles, and islands that are left. \returns for each vertex that is left its former index.
-std::vector<int> drop(TriangleMesh& mesh, std::vector<char> keep, const std::optional<Point>& camera)
+std::vector<int> drop(TriangleMesh& mesh, std::vector<char> keep, const std::optional<DepthCamera>& camera)
 {
     leave_single_fans(mesh, keep);
     const std::vector<int> former = keep_triangles(mesh, keep);
@@ -300,7 +300,7 @@ std::vector<double> find_largest(const TriangleMesh& mesh, const Progress& progr
 } // namespace
 
 std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double length, int threads,
-                                const Progress& progress, const std::optional<Point>& camera)
+                                const Progress& progress, const std::optional<DepthCamera>& camera)
 {
     const BlockSearch search(points, threads);
     const std::vector<double> squared = find_largest(
@@ -313,7 +313,7 @@ std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double
 }
 
 std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads, const Progress& progress,
-                            const std::optional<Point>& camera)
+                            const std::optional<DepthCamera>& camera)
 {
     const Depths depths(samples, backs, threads);
     const std::vector<double> deepest =

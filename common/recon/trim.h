@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/depth_image.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -15,7 +16,7 @@ namespace recon
 /// \param mesh closed. \param points at least one. \returns for
 /// each vertex that is left its former index. \throws Cancelled.
 std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double length, int threads = 1,
-                                const Progress& progress = {}, const std::optional<Point>& camera = {});
+                                const Progress& progress = {}, const std::optional<DepthCamera>& camera = {});
 
 /// Opens a crust over holes and open ends of the scan, with manifold rims as above. Bare is what lies farther than two
 /// spacings from every sample; bare parts that reach three spacings are dropped, lesser gaps stay closed. Spacing of a
@@ -24,6 +25,6 @@ std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double
 /// they carry is bare, but rims of a few sides that it leaves within a sheet are closed. If all is bare nothing is
 /// dropped. \returns as above.
 std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads = 1,
-                            const Progress& progress = {}, const std::optional<Point>& camera = {});
+                            const Progress& progress = {}, const std::optional<DepthCamera>& camera = {});
 
 } // namespace recon

@@ -1,10 +1,21 @@
 #include <recon/depth_image.h>
+#include <recon/spatial_order.h>
 
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
 
 using namespace recon;
+
+namespace
+{
+
+Points in_order(const Points& points)
+{
+    return points_at(order_spatially(points).order, points);
+}
+
+} // namespace
 
 TEST(FindDepthCamera, FindsItHoweverCoarseItsDepths)
 {
@@ -39,4 +50,19 @@ TEST(FindDepthCamera, FindsNoneElsewhere)
          {moved, thinned, terrain, plane, shapes::sphere(5000, 1, 3).points, Points{}, Points{{0, 0, 0}},
           Points(200, Point(0, 0, 1)), Points(frame.begin(), frame.begin() + 50)})
         EXPECT_FALSE(find_depth_camera(points)) << points.size();
+}
+
+TEST(FindDepthCamera, TellsItsSteps)
+{
+    const auto fine = find_depth_camera(shapes::depth_frame(120, 1e-6, 3).points);
+    ASSERT_TRUE(fine);
+    EXPECT_NEAR(fine->pixel, 1.0 / 120, 1e-9);
+    const Points coarse_frame = in_order(shapes::depth_frame(120, 0.01, 3).points);
+    EXPECT_FALSE(find_coarse_depth_camera(in_order(shapes::depth_frame(120, 0.0005, 3).points)));
+    const auto coarse = find_coarse_depth_camera(coarse_frame);
+    ASSERT_TRUE(coarse);
+    EXPECT_NEAR(coarse->step_at(Point(0, 0, 2)), 4 * 0.01, 0.01);
+    EXPECT_NEAR(coarse->step_at(Point(1, 0, 4)), 16 * 0.01, 0.03);
+    const UnitFrame frame(coarse_frame);
+    EXPECT_NEAR(coarse->in(frame).step_at(frame.to_unit(Point(0, 0, 2))) * frame.scale(), 4 * 0.01, 0.01);
 }

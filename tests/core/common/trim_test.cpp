@@ -214,7 +214,8 @@ TEST(TrimByLength, PartsFaceTheCamera)
         for (const bool up : {false, true})
         {
             TriangleMesh terrain = make_terrain(0.1, up);
-            trim_by_length(terrain, terrain.vertices, 1, 1, {}, Point(0, 0, z));
+            DepthCamera camera{Point(0, 0, z), Vector::UnitZ(), 0, {}};
+            trim_by_length(terrain, terrain.vertices, 1, 1, {}, camera);
             EXPECT_EQ(mean_rise(terrain) > 0, z > 0) << z << " " << up;
         }
 }

@@ -112,13 +112,14 @@ TEST(NoisyPowerCrust, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 
 TEST(NoisyPowerCrust, MakesASlabOfADepthImage)
 {
-    for (const double step : {0.0005, 0.003}) // a quarter and one and a half of its pixels at the wall
+    // At the wall a quarter, one and a half and four of its pixels.
+    for (const auto& [step, least] : {std::pair{0.0005, 0.95}, std::pair{0.003, 0.95}, std::pair{0.008, 0.85}})
     {
         const OrientedSamples frame = shapes::depth_frame(120, step, 4);
-        EXPECT_GT(checks::share_faced(mesh_of_scene(frame.points, true), frame, 0.1), 0.95) << step;
+        EXPECT_GT(checks::share_faced(mesh_of_scene(frame.points, true), frame, 0.1), least) << step;
         NoisyPowerCrustOptions closed;
         const NoisyPowerCrust slab = reconstruct_noisy_power_crust(frame.points, closed);
         EXPECT_EQ(slab.boundary_loops, 0);
-        EXPECT_GT(checks::share_faced(slab.mesh, frame, 0.1), 0.95) << step;
+        EXPECT_GT(checks::share_faced(slab.mesh, frame, 0.1), least) << step;
     }
 }
