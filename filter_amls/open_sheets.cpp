@@ -21,11 +21,8 @@ constexpr double thinnest_lidded = 7;
 /// 0.005 of a scanned statue, whose back would take as long as all else.
 constexpr double much_missed = 0.02;
 
-/// Of what a lidded crust lacks its slab may lack this share, as at pixels that fly between two
-/// depths.
-constexpr double hardly_lacking = 0.35;
-/// Handles per sample that such a slab may have, were there none before: each hole of a sheet, as the shadow of what
-/// stands on it, is one.
+/// Handles per sample that a slab may have which is not whole but lacks half of what the lidded crust does, as at pixels
+/// that fly between two depths: each hole of a sheet, as the shadow of what stands on it, is one.
 constexpr double many_holes = 2e-3;
 
 /// Of a slab's second attempt [spacings].
@@ -148,7 +145,7 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
     const bool has_fewer_handles =
         backed.handles < lidded.handles || (lidded.is_flat() && backed.handles == lidded.handles);
     const int most_handles = std::max(lidded.handles, int(many_holes * double(samples.size())));
-    const bool lacks_less = backed.lack() <= hardly_lacking * lidded.lack() && backed.handles <= most_handles;
+    const bool lacks_less = backed.lack() <= clearly_backed * lidded.lack() && backed.handles <= most_handles;
     const bool is_better =
         (lidded.is_whole() ? backed.is_whole() && has_fewer_handles : backed.is_whole() || lacks_less) &&
         is_all_seen(backed.crust, samples);
