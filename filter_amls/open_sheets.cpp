@@ -21,8 +21,8 @@ constexpr double thinnest_lidded = 7;
 /// 0.005 of a scanned statue, whose back would take as long as all else.
 constexpr double much_missed = 0.02;
 
-/// Handles per sample that a slab may have which is not whole but lacks half of what the lidded crust does, as at pixels
-/// that fly between two depths: each hole of a sheet, as the shadow of what stands on it, is one.
+/// Handles per sample that a slab may have which is not whole but lacks half of what the lidded crust does, as at
+/// pixels that fly between two depths: each hole of a sheet, as the shadow of what stands on it, is one.
 constexpr double many_holes = 2e-3;
 
 /// Of a slab's second attempt [spacings].

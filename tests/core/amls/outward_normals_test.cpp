@@ -209,3 +209,14 @@ TEST(OutwardNormals, RefuseFlatInputAndStopWhenAsked)
                      Cancelled)
             << share;
 }
+
+TEST(OutwardNormals, OfADepthImageFaceItsCamera)
+{
+    for (const double step : {0.0005, 0.008})
+    {
+        const OrientedSamples frame = shapes::depth_frame(120, step, 4);
+        const OutwardNormals found = find_outward_normals(frame.points);
+        EXPECT_TRUE(found.surface.open);
+        EXPECT_GT(checks::share_facing(found.normals, frame.normals), 0.98) << step;
+    }
+}

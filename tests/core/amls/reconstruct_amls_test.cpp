@@ -493,6 +493,11 @@ TEST(ReconstructAmls, ATableOverAFloorFacesUpAndIsKept)
     checks::expect_table_over_a_floor_faces_up(mesh_of_scene);
 }
 
+TEST(ReconstructAmls, ADepthImageFacesItsCamera)
+{
+    checks::expect_depth_image_faces_its_camera(mesh_of_scene);
+}
+
 TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
     checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);

@@ -110,16 +110,7 @@ TEST(NoisyPowerCrust, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
     checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);
 }
 
-TEST(NoisyPowerCrust, MakesASlabOfADepthImage)
+TEST(NoisyPowerCrust, ADepthImageFacesItsCamera)
 {
-    // At the wall a quarter, one and a half and four of its pixels.
-    for (const auto& [step, least] : {std::pair{0.0005, 0.95}, std::pair{0.003, 0.95}, std::pair{0.008, 0.85}})
-    {
-        const OrientedSamples frame = shapes::depth_frame(120, step, 4);
-        EXPECT_GT(checks::share_faced(mesh_of_scene(frame.points, true), frame, 0.1), least) << step;
-        NoisyPowerCrustOptions closed;
-        const NoisyPowerCrust slab = reconstruct_noisy_power_crust(frame.points, closed);
-        EXPECT_EQ(slab.boundary_loops, 0);
-        EXPECT_GT(checks::share_faced(slab.mesh, frame, 0.1), least) << step;
-    }
+    checks::expect_depth_image_faces_its_camera(mesh_of_scene);
 }
