@@ -24,7 +24,8 @@ namespace
 /// Handles per sample above which lost sheets are lace, and share of them that backs may leave, or no more of them but
 /// clearly fewer violated votes. Of a flooded crust or a ground the votes alone count.
 constexpr double bearable_handles = 2e-4, whole_again = 0.5;
-/// Share of the violated votes that backs may leave over a ground, with no more handles than before.
+/// Share of the violated votes that backs may leave over a ground, with no more handles than before; all but some with
+/// half of them.
 constexpr double backed_ground = 0.75;
 
 /// Noise below which an open sheet may be taken for exact [spacings]: coarse and rough ones read as noise, too.
@@ -144,15 +145,19 @@ public:
         std::optional<LabelledCloud> slabs = label_slabs(found, lost, progress);
         if (!slabs)
             return found;
-        const double left = slabs->labelled.violated_votes;
-        // Between a ground's samples are cracks rather than handles.
-        const bool votes_alone = has_ground || (!is_lace && violated > flooded_above);
-        const auto has_at_most = [&](double most)
-        { return measure_closed_topology(attempts_.extract(*slabs)).genus() <= most; };
-        const bool is_better = left <= clearly_backed * violated ? votes_alone || has_at_most(handles)
-                               : has_ground ? left <= backed_ground * violated && has_at_most(handles)
-                                            : is_lace && has_at_most(whole_again * handles);
-        if (is_better)
+        const auto is_better = [&]
+        {
+            const double left = slabs->labelled.violated_votes;
+            const auto has_at_most = [&](double most)
+            { return measure_closed_topology(attempts_.extract(*slabs)).genus() <= most; };
+            if (left <= clearly_backed * violated)
+                // Between a ground's samples are cracks rather than handles.
+                return has_ground || (!is_lace && violated > flooded_above) || has_at_most(handles);
+            if (!has_ground)
+                return is_lace && has_at_most(whole_again * handles);
+            return left < violated && has_at_most(left <= backed_ground * violated ? handles : whole_again * handles);
+        };
+        if (is_better())
             return std::move(*slabs);
         return is_whole_otherwise ? back_some_sheets(std::move(found), lost, progress) : std::move(found);
     }
