@@ -138,7 +138,8 @@ void face(const Point& camera, const Points& points, Vectors& normals)
             normals[i] = -normals[i];
 }
 
-/// Sides of the landmarks, from which all cells take theirs, or from given normals. \param points as given.
+/// Sides of the landmarks, from which all cells take theirs, or from given normals. \param points those of `data`, as
+/// given.
 Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorChoice& choice,
                    const Vectors& given_normals, int threads, const Progress& progress)
 {
@@ -292,10 +293,14 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     data->point_search = BlockSearch(data->points, threads);
     data->crust =
         earlier && earlier->data().points == data->points ? earlier->data().crust : std::make_shared<CrustOfPoints>();
-    std::optional<DepthCamera> camera = find_coarse_depth_camera(points_at(data->spatial.order, points));
-    if (camera)
-        camera = camera->in(frame);
-    SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), camera,
+    // Whether they are a depth image must not hang on their order.
+    const Points sorted = points_at(data->spatial.order, points);
+    std::optional<DepthCamera> coarse;
+    if (options.noise == 0)
+        coarse = find_coarse_depth_camera(sorted);
+    if (coarse)
+        coarse = coarse->in(frame);
+    SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), coarse,
                                          threads, times, progress.part(0, 0.35));
     const NoiseEstimate noise = std::move(made.noise);
     data->cells = std::move(made.cells);
@@ -314,7 +319,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("orientation");
-    const Orientation orientation = orient(*data, points, choice, given_normals, threads, progress.part(0.35, 0.85));
+    const Orientation orientation = orient(*data, sorted, choice, given_normals, threads, progress.part(0.35, 0.85));
 
     times.begin("fit");
     progress.part(0.85, 0.95, "Fit").report(0);

@@ -1,5 +1,6 @@
 #include <recon/depth_image.h>
 
+#include <recon/median.h>
 #include <recon/neighbours.h>
 
 #include <algorithm>
@@ -74,7 +75,7 @@ double measure_pixel(const Points& pixels)
         search.nearest(pixels[i], 2, nearest, squared);
         steps.push_back(std::sqrt(squared[1]));
     }
-    const double usual = quantile(steps, 0.5);
+    const double usual = median(steps);
     const auto alike =
         std::count_if(steps.begin(), steps.end(), [&](double step) { return std::abs(step - usual) <= even * usual; });
     return double(alike) >= on_grid * double(steps.size()) ? usual : 0;

@@ -2,7 +2,6 @@
 
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"
-#include "tests/ground_scenes.h"
 #include "tests/open_sheets.h"
 #include "tests/shapes.h"
 
@@ -65,13 +64,6 @@ Points egg_crate(int cells)
             points.push_back(p + up);
         }
     return points;
-}
-
-TriangleMesh mesh_of_scene(const Points& points, bool opens_holes)
-{
-    AmlsReconstructionOptions options;
-    options.open_holes = opens_holes;
-    return reconstruct_amls(points, options).mesh;
 }
 
 AmlsReconstruction reconstruct_opened(const Points& points)
@@ -481,24 +473,4 @@ TEST(ReconstructAmls, TheGroundOfAnExactSceneIsWhole)
     const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(scene.points, 0.02, 5), options);
     EXPECT_GT(checks::share_faced(result.mesh, scene, 2.5), 0.99);
     EXPECT_EQ(result.vertices_on_surface, 0);
-}
-
-TEST(ReconstructAmls, ABallOverOrBesideAFloorFacesOutward)
-{
-    checks::expect_ball_apart_from_a_floor_faces_outward(mesh_of_scene);
-}
-
-TEST(ReconstructAmls, ATableOverAFloorFacesUpAndIsKept)
-{
-    checks::expect_table_over_a_floor_faces_up(mesh_of_scene);
-}
-
-TEST(ReconstructAmls, ADepthImageFacesItsCamera)
-{
-    checks::expect_depth_image_faces_its_camera(mesh_of_scene);
-}
-
-TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
-{
-    checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);
 }
