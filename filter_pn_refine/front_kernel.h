@@ -112,6 +112,6 @@ PN_INLINE void join(const NewMember& m, bool curved, Front& f)
 PN_INLINE Floats halving(Floats angle, Floats start, Floats width)
 {
     Floats t = angle - start;
-    t = select(below(t, Floats{}), t + 6.28318531f, t);
+    t = where_below(t, Floats{}, t + 6.28318531f, t);
     return smaller(t, width - t);
 }

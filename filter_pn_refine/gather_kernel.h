@@ -19,18 +19,19 @@ PN_INLINE void gather_rows(const RowsView& from, int leaf, int first_index, floa
             continue;
         const int n = to.count;
         const Floats radius = load_lanes(from.radius + k, taken) * scale;
-        store(to.x + n, compress(taken, x));
-        store(to.y + n, compress(taken, y));
-        store(to.z + n, compress(taken, z));
-        store(to.nx + n, compress(taken, load<Floats>(from.nx + k)));
-        store(to.ny + n, compress(taken, load<Floats>(from.ny + k)));
-        store(to.nz + n, compress(taken, load<Floats>(from.nz + k)));
-        store(to.radius + n, compress(taken, radius));
-        store(to.largest_radius + n, from.largest_radius != nullptr
-                                         ? compress(taken, load<Floats>(from.largest_radius + k) * scale)
-                                         : compress(taken, radius * LocalRules::shrink));
+        store_compressed(taken, x, to.x + n);
+        store_compressed(taken, y, to.y + n);
+        store_compressed(taken, z, to.z + n);
+        store_compressed(taken, load<Floats>(from.nx + k), to.nx + n);
+        store_compressed(taken, load<Floats>(from.ny + k), to.ny + n);
+        store_compressed(taken, load<Floats>(from.nz + k), to.nz + n);
+        store_compressed(taken, radius, to.radius + n);
+        store_compressed(taken,
+                         from.largest_radius != nullptr ? load<Floats>(from.largest_radius + k) * scale
+                                                        : radius * LocalRules::shrink,
+                         to.largest_radius + n);
         store(to.leaf + n, all(leaf));
-        store(to.index + n, compress(taken, lane_numbers + (first_index + k)));
+        store_compressed(taken, lane_numbers + (first_index + k), to.index + n);
         to.count += count_of(taken);
     }
 }

@@ -94,7 +94,7 @@ PN_INLINE Floats angle_of(Floats x, Floats y)
     const Floats ax = absolute(x), ay = absolute(y);
     const Floats t = smaller(ax, ay) / (larger(ax, ay) + 1e-30f), s = t * t;
     Floats a = t * (0.9998660f + s * (-0.3302995f + s * (0.1801410f + s * (-0.0851330f + s * 0.0208351f))));
-    a = select(below(ax, ay), 1.57079633f - a, a);
-    a = select(below(x, Floats{}), 3.14159265f - a, a);
+    a = where_below(ax, ay, 1.57079633f - a, a);
+    a = where_below(x, Floats{}, 3.14159265f - a, a);
     return with_bits(bits_of(a) ^ (bits_of(y) & int(0x80000000)));
 }

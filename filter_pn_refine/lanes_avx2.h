@@ -44,6 +44,16 @@ PN_INLINE Ints select(Mask m, Ints a, Ints b)
     const Floats f = select(m, with_bits(a), with_bits(b));
     return bits_of(f);
 }
+#define PN_CHOOSE(name, how)                                                                                           \
+    PN_INLINE Floats name(Floats a, Floats b, Floats then, Floats otherwise)                                           \
+    {                                                                                                                  \
+        const Halves x = halves(a), y = halves(b), t = halves(then), o = halves(otherwise);                            \
+        return floats_of(_mm256_blendv_ps(o.lo, t.lo, _mm256_cmp_ps(x.lo, y.lo, how)),                                 \
+                         _mm256_blendv_ps(o.hi, t.hi, _mm256_cmp_ps(x.hi, y.hi, how)));                                \
+    }
+PN_CHOOSE(where_below, _CMP_LT_OQ)
+PN_CHOOSE(where_at_most, _CMP_LE_OQ)
+#undef PN_CHOOSE
 PN_INLINE Floats larger(Floats a, Floats b)
 {
     const Halves x = halves(a), y = halves(b);
@@ -120,6 +130,28 @@ PN_INLINE Floats compress(Mask m, Floats v)
 PN_INLINE Ints compress(Mask m, Ints v)
 {
     return bits_of(compress(m, with_bits(v)));
+}
+PN_INLINE void store_compressed(Mask m, Floats v, float* to)
+{
+    const Halves h = halves(v);
+    _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(h.lo, pack_places(m)));
+    _mm256_storeu_ps(to + __builtin_popcount(m & 0xFF), _mm256_permutevar8x32_ps(h.hi, pack_places(m >> 8)));
+}
+PN_INLINE void store_compressed(Mask m, Ints v, std::int32_t* to)
+{
+    store_compressed(m, with_bits(v), (float*)to);
+}
+PN_INLINE Ints count_smaller(Ints v, const std::int32_t* of, int n)
+{
+    const Halves h = halves(v);
+    __m256i lo = _mm256_setzero_si256(), hi = lo;
+    for (int k = 0; k < n; ++k)
+    {
+        const __m256i x = _mm256_set1_epi32(of[k]);
+        lo = _mm256_sub_epi32(lo, _mm256_cmpgt_epi32((__m256i)h.lo, x));
+        hi = _mm256_sub_epi32(hi, _mm256_cmpgt_epi32((__m256i)h.hi, x));
+    }
+    return bits_of(floats_of((__m256)lo, (__m256)hi));
 }
 PN_INLINE __m256 pick8(Halves v, __m256i p)
 {

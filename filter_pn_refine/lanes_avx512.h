@@ -20,6 +20,16 @@ PN_INLINE Ints select(Mask m, Ints a, Ints b)
 {
     return (Ints)_mm512_mask_blend_epi32(__mmask16(m), (__m512i)b, (__m512i)a);
 }
+/// `then` where a < b, `otherwise` elsewhere.
+PN_INLINE Floats where_below(Floats a, Floats b, Floats then, Floats otherwise)
+{
+    return select(below(a, b), then, otherwise);
+}
+/// The same where a <= b.
+PN_INLINE Floats where_at_most(Floats a, Floats b, Floats then, Floats otherwise)
+{
+    return select(at_most(a, b), then, otherwise);
+}
 PN_INLINE Floats larger(Floats a, Floats b)
 {
     return (Floats)_mm512_max_ps((__m512)a, (__m512)b);
@@ -71,6 +81,12 @@ PN_INLINE Floats compress(Mask m, Floats v)
 PN_INLINE Ints compress(Mask m, Ints v)
 {
     return (Ints)_mm512_maskz_compress_epi32(__mmask16(m), (__m512i)v);
+}
+/// Writes the lanes in the mask one after the other; up to a vector's length behind them is overwritten.
+template <class Vector, class Number>
+PN_INLINE void store_compressed(Mask m, Vector v, Number* to)
+{
+    store(to, compress(m, v));
 }
 /// Lane i of the result is lane places[i] (modulo 16).
 PN_INLINE Floats permute(Floats v, Ints places)

@@ -42,6 +42,14 @@ PN_INLINE Ints select(Mask m, Ints a, Ints b)
 {
     return spread(m) ? a : b;
 }
+PN_INLINE Floats where_below(Floats a, Floats b, Floats then, Floats otherwise)
+{
+    return a < b ? then : otherwise;
+}
+PN_INLINE Floats where_at_most(Floats a, Floats b, Floats then, Floats otherwise)
+{
+    return a <= b ? then : otherwise;
+}
 PN_INLINE Floats larger(Floats a, Floats b)
 {
     return a > b ? a : b;
@@ -98,6 +106,21 @@ PN_INLINE Vector compress(Mask m, Vector v)
     for (int n = 0; m != 0; m &= m - 1, ++n)
         to[0][n] = from[0][first_of(m)];
     return to[0];
+}
+template <class Vector, class Number>
+PN_INLINE void store_compressed(Mask m, Vector v, Number* to)
+{
+    alignas(64) Number from[lane_count];
+    store(from, v);
+    for (; m != 0; m &= m - 1)
+        *to++ = from[first_of(m)];
+}
+PN_INLINE Ints count_smaller(Ints v, const std::int32_t* of, int n)
+{
+    Ints count = {};
+    for (int k = 0; k < n; ++k)
+        count -= v > all(of[k]);
+    return count;
 }
 template <class Vector>
 PN_INLINE Vector permute(Vector v, Ints places)

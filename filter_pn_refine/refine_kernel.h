@@ -79,17 +79,17 @@ struct PointRefiner
         {
             const Mask near =
                 at_most(load<Floats>(ring.length + k), all(LocalRules::near)) & first_lanes(ring.count - k);
-            store(angles + n, compress(near, load<Floats>(ring.angle + k)));
-            store(lengths + n, compress(near, load<Floats>(ring.length + k)));
-            store(entries + n, compress(near, lane_numbers + k));
+            store_compressed(near, load<Floats>(ring.angle + k), angles + n);
+            store_compressed(near, load<Floats>(ring.length + k), lengths + n);
+            store_compressed(near, lane_numbers + k, entries + n);
             n += count_of(near);
         }
         for (int k = 0; k < a.count; k += lane_count)
         {
             const Mask near = at_most(load<Floats>(a.length + k), all(LocalRules::near)) & a.free[k / lane_count];
-            store(angles + n, compress(near, load<Floats>(a.angle + k)));
-            store(lengths + n, compress(near, load<Floats>(a.length + k)));
-            store(entries + n, compress(near, lane_numbers + (ring_capacity + k)));
+            store_compressed(near, load<Floats>(a.angle + k), angles + n);
+            store_compressed(near, load<Floats>(a.length + k), lengths + n);
+            store_compressed(near, lane_numbers + (ring_capacity + k), entries + n);
             store(a.reach + k, select(near, load<Floats>(a.near_reach + k), load<Floats>(a.reach + k)));
             a.free[k / lane_count] &= ~near;
             n += count_of(near);

@@ -15,7 +15,7 @@ PN_INLINE int find_near(const LocalPoints& points, const Centre& c, std::int32_t
                      dz = load<Floats>(points.z + j) - cz;
         const Floats d2 = dx * dx + dy * dy + dz * dz;
         const Mask near = at_most(d2, most) & below(same, d2);
-        store(found + n, compress(near, numbers));
+        store_compressed(near, numbers, found + n);
         n += count_of(near);
     }
     return n;
@@ -68,7 +68,7 @@ PN_INLINE void fill_ring(const LocalPoints& points, const Centre& c, std::int32_
             // Few are ever refused: then all is done again without them.
             if (taken != valid)
             {
-                store(hits + kept, compress(taken, source));
+                store_compressed(taken, source, hits + kept);
                 is_full = false;
             }
             else if (!is_full)
@@ -128,13 +128,13 @@ PN_INLINE Mask choose_neighbours(const Ring& ring, int first)
         // The sine of a_ij, (p_j / |p_j|) . (p_i - p_j) / |p_i - p_j|. A point is not behind itself or its twin on a
         // crease, whatever rounding says.
         const Floats along = g - lj2, apart = squared + lj2 - 2 * g;
-        const Floats sine = select(below(all(1e-6f), apart), along * rough_inverse_root(apart * (lj2 + 1e-30f)), least);
-        const Mask is_successor = at_most(Floats{}, ui * vj - vi * uj);
-        successor = larger(successor, select(is_successor, sine, least));
-        predecessor = larger(predecessor, select(is_successor, least, sine));
+        const Floats sine = where_below(all(1e-6f), apart, along * rough_inverse_root(apart * (lj2 + 1e-30f)), least);
+        const Floats side = ui * vj - vi * uj; // at least 0 of a successor
+        successor = larger(successor, where_at_most(Floats{}, side, sine, least));
+        predecessor = larger(predecessor, where_at_most(Floats{}, side, least, sine));
     }
     const Floats limit =
-        select(at_most(all(LocalRules::firm), load<Floats>(ring.flatness + first)), all(-0.9f), all(-0.5f));
+        where_at_most(all(LocalRules::firm), load<Floats>(ring.flatness + first), all(-0.9f), all(-0.5f));
     return at_most(larger(successor, limit) + larger(predecessor, limit), Floats{}) & first_lanes(ring.count - first);
 }
 
@@ -208,9 +208,9 @@ PN_INLINE void sort_fan(const Ring& ring, bool in_plane, Fan& fan)
         for (int k = 0; k < ring.count; k += lane_count)
         {
             const Mask chosen = choose(k);
-            store(angles + n, compress(chosen, load<Floats>(ring.angle + k)));
-            store(lengths + n, compress(chosen, load<Floats>(ring.length + k)));
-            store(entries + n, compress(chosen, lane_numbers + k));
+            store_compressed(chosen, load<Floats>(ring.angle + k), angles + n);
+            store_compressed(chosen, load<Floats>(ring.length + k), lengths + n);
+            store_compressed(chosen, lane_numbers + k, entries + n);
             n += count_of(chosen);
         }
         const float* kept = angles;
