@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace recon
 {
@@ -45,7 +46,9 @@ public:
     {
         rim_normals_.assign(found.rims.size(), Vector::Zero());
         std::vector<FlatFace> faces;
-        std::vector<WalledFace> walled = list_walled(found);
+        std::vector<WalledFace> walled = std::move(walled_);
+        std::stable_sort(walled.begin(), walled.end(),
+                         [](const WalledFace& a, const WalledFace& b) { return a.area > b.area; });
         std::vector<FlatFace> bounded;
         for (const WalledFace& entry : walled)
             bounded.push_back(entry.face);
@@ -79,13 +82,21 @@ public:
         return std::move(result_);
     }
 
+    /// Looks for walls along the rims of the faces from `first` on.
+    void find_walls(const NoisyFaces& found, std::size_t first)
+    {
+        for (std::size_t k = first; k < found.faces.size(); ++k)
+            if (std::optional<WalledFace> entry = find_walls(found.faces[k], found.rims))
+                walled_.push_back(std::move(*entry));
+    }
+
     /// Planes parallel to a face, in which none lies, where walls end that fall off from it.
-    std::vector<NoisyPlane> list_planes_at_wall_ends(const NoisyFaces& found)
+    std::vector<NoisyPlane> list_planes_at_wall_ends(const NoisyFaces& found) const
     {
         std::vector<NoisyPlane> known, result;
         for (const FlatFace& face : found.faces)
             known.push_back({face.origin, face.normal});
-        for (const WalledFace& entry : list_walled(found))
+        for (const WalledFace& entry : walled_)
         {
             const double outline = find_outline(entry.loops);
             double solid = 0; // is where the outline's wall is
@@ -126,6 +137,7 @@ private:
         FlatFace face;
         std::vector<RimLoop> loops;
         std::vector<RimWall> walls;
+        double area = 0;
     };
 
     void append(const Point& p, const Vector& normal)
@@ -137,26 +149,22 @@ private:
             result_.is_replaced[i] = 1;
     }
 
-    /// Faces that have walls along enough of their rims, on whichever side, the largest first.
-    std::vector<WalledFace> list_walled(const NoisyFaces& found)
+    /// A face that has walls along enough of its rims, on whichever side.
+    std::optional<WalledFace> find_walls(const FlatFace& face, const Points& rims)
     {
-        std::vector<WalledFace> result;
-        for (FlatFace& face : sort_by_area(found))
+        WalledFace entry;
+        entry.face = face;
+        entry.loops = list_rim_loops(face, rims);
+        for (const auto& t : face.triangles)
+            entry.area += 0.5 * (rims[t[1]] - rims[t[0]]).cross(rims[t[2]] - rims[t[0]]).norm();
+        find_walls(entry, rims);
+        double length = 0, walled = 0;
+        for (const RimWall& wall : entry.walls)
         {
-            WalledFace entry;
-            entry.loops = list_rim_loops(face, found.rims);
-            entry.face = std::move(face);
-            find_walls(entry, found.rims);
-            double length = 0, walled = 0;
-            for (const RimWall& wall : entry.walls)
-            {
-                length += wall.length;
-                walled += wall.side != 0 ? wall.length : 0;
-            }
-            if (walled >= least_walled * length)
-                result.push_back(std::move(entry));
+            length += wall.length;
+            walled += wall.side != 0 ? wall.length : 0;
         }
-        return result;
+        return walled >= least_walled * length ? std::optional(std::move(entry)) : std::nullopt;
     }
 
     void find_walls(WalledFace& entry, const Points& rims)
@@ -174,23 +182,6 @@ private:
         for (const RimLoop& loop : loops)
             outline = std::max(outline, loop.box);
         return outline;
-    }
-
-    static std::vector<FlatFace> sort_by_area(const NoisyFaces& found)
-    {
-        std::vector<std::pair<double, std::size_t>> order;
-        for (std::size_t k = 0; k < found.faces.size(); ++k)
-        {
-            double twice = 0;
-            for (const auto& t : found.faces[k].triangles)
-                twice += (found.rims[t[1]] - found.rims[t[0]]).cross(found.rims[t[2]] - found.rims[t[0]]).norm();
-            order.emplace_back(-twice, k);
-        }
-        std::sort(order.begin(), order.end());
-        std::vector<FlatFace> result;
-        for (const auto& entry : order)
-            result.push_back(found.faces[entry.second]);
-        return result;
     }
 
     /// Whether the rim lies on rims and walls of larger faces: then these have its ground already.
@@ -377,6 +368,7 @@ private:
     const Points& samples_;
     const Vectors& normals_;
     WallFinder walls_;
+    std::vector<WalledFace> walled_;
     NeighbourSearch sample_search_;
     std::vector<int> near_;
     std::vector<NoisyPlane> planes_; ///< Of the faces so far.
@@ -398,8 +390,11 @@ NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, con
     if (found.faces.empty())
         return {};
     NoisyFlatCompleter completer(points, noise, samples, normals);
+    completer.find_walls(found, 0);
+    const std::size_t first = found.faces.size();
     // A bevel or a fillet beside it hides the plane on the other side of a plate; the bores through it end there.
     append(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, threads), found);
+    completer.find_walls(found, first);
     return completer.complete(found, threads);
 }
 

@@ -113,6 +113,10 @@ std::optional<CompletedFlats> complete_noisy(const PreparedSamples& cloud, const
         if (!completion)
             break;
         LabelledBalls labelled = label(completion->samples, completion->normals);
+        // Where faces are bare most samples are on them. A few facets of a coarse model, that the votes do not want,
+        // are no better in other slabs.
+        if (!best && labelled.violated_votes > plain.violated_votes && completion->added < int(cloud.samples.size()))
+            break;
         CompletedFlats flats{std::move(*completion), std::move(labelled)};
         if (flats.labelled.violated_votes <= clearly_fewer_with_flats * plain.violated_votes)
         {

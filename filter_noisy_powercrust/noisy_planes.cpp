@@ -48,36 +48,43 @@ RECON_VECTOR_CLONES
 void sum_slab(const double* px, const double* py, const double* pz, const double* is_point, int size, double nx,
               double ny, double nz, double offset, double half, SlabSums* sums)
 {
-    using simd::Lanes;
-    Lanes count = {}, squared = {}, beside = {}, first[3] = {}, second[6] = {};
-    for (int i = 0; i < size; i += simd::lane_count)
+    using simd::HalfLanes;
+    constexpr int sum_count = 12;
+    HalfLanes sums_of_part[2][sum_count];
+    // One half of each Lanes after the other: AVX2 has sixteen registers, which hold the sums of one.
+    for (int part = 0; part < 2; ++part)
     {
-        const Lanes x = simd::load(px + i), y = simd::load(py + i), z = simd::load(pz + i),
-                    one = simd::load(is_point + i);
-        const Lanes height = nx * x + ny * y + nz * z - offset,
-                    h = simd::where_at_most(simd::zero(), height, height, -height);
-        const Lanes in = simd::where_at_most(h, half - Lanes{}, one, simd::zero()), wx = in * x, wy = in * y,
-                    wz = in * z;
-        count += in;
-        squared += in * h * h;
-        beside += simd::where_at_most(h, 2 * half - Lanes{}, one - in, simd::zero());
-        first[0] += wx;
-        first[1] += wy;
-        first[2] += wz;
-        second[0] += wx * x;
-        second[1] += wx * y;
-        second[2] += wx * z;
-        second[3] += wy * y;
-        second[4] += wy * z;
-        second[5] += wz * z;
+        const HalfLanes nothing = {};
+        HalfLanes count = {}, squared = {}, beside = {}, first[3] = {}, second[6] = {};
+        for (int i = part * simd::lane_count / 2; i < size; i += simd::lane_count)
+        {
+            const HalfLanes x = simd::load_half(px + i), y = simd::load_half(py + i), z = simd::load_half(pz + i),
+                            one = simd::load_half(is_point + i);
+            const HalfLanes height = nx * x + ny * y + nz * z - offset, h = height < nothing ? -height : height;
+            const HalfLanes in = h <= half ? one : nothing, wx = in * x, wy = in * y, wz = in * z;
+            count += in;
+            squared += in * h * h;
+            beside += h <= 2 * half ? one - in : nothing;
+            first[0] += wx;
+            first[1] += wy;
+            first[2] += wz;
+            second[0] += wx * x;
+            second[1] += wx * y;
+            second[2] += wx * z;
+            second[3] += wy * y;
+            second[4] += wy * z;
+            second[5] += wz * z;
+        }
+        HalfLanes* to = sums_of_part[part];
+        for (const HalfLanes& sum : {count, squared, beside, first[0], first[1], first[2], second[0], second[1],
+                                     second[2], second[3], second[4], second[5]})
+            *to++ = sum;
     }
-    sums->count = simd::sum(count);
-    sums->squared_heights = simd::sum(squared);
-    sums->beside = simd::sum(beside);
-    for (int k = 0; k < 3; ++k)
-        sums->first[k] = simd::sum(first[k]);
-    for (int k = 0; k < 6; ++k)
-        sums->second[k] = simd::sum(second[k]);
+    double* to[sum_count] = {&sums->count,     &sums->squared_heights, &sums->beside,    sums->first,
+                             sums->first + 1,  sums->first + 2,        sums->second,     sums->second + 1,
+                             sums->second + 2, sums->second + 3,       sums->second + 4, sums->second + 5};
+    for (int k = 0; k < sum_count; ++k)
+        *to[k] = simd::sum(sums_of_part[0][k], sums_of_part[1][k]);
 }
 
 class PlaneFinder

@@ -159,20 +159,35 @@ std::vector<double> WallFinder::find_tops(const RimLoop& loop, const Points& rim
         const Vector& away = loop.away[k];
         // Where two rims meet no direction leads along one.
         const double along = away.isZero() ? aside * noise_ : reach.along;
-        const Point foot = rims[loop.rim[k]] + reach.out * away;
-        search_.within(foot + 0.5 * reach.highest * up, 0.5 * reach.highest + along, near_);
+        tops.push_back(find_top(rims[loop.rim[k]] + reach.out * away, up, away, reach, along));
+    }
+    return tops;
+}
+
+/// Height of the first point along `up`; 0 if there is none.
+double WallFinder::find_top(const Point& foot, const Vector& up, const Vector& away, const Reach& reach, double along)
+{
+    // In slices, each higher than the last: most points lie far beyond the first.
+    double piece = 2 * along;
+    for (double low = reach.lowest; low < reach.highest; piece *= 2)
+    {
+        const double high = std::min(low + piece, reach.highest);
+        search_.within(foot + 0.5 * (low + high) * up, std::hypot(0.5 * (high - low), along), near_);
         double least = 1e300;
         for (const int i : near_)
         {
             const Vector offset = points_[i] - foot;
             const double height = offset.dot(up), off = offset.dot(away);
             const Vector beside = offset - height * up;
-            if (height > reach.lowest && beside.norm() < along && std::abs(off) < aside * noise_)
-                least = std::min(least, height);
+            if (height > low && height <= high && height < least && beside.norm() < along &&
+                std::abs(off) < aside * noise_)
+                least = height;
         }
-        tops.push_back(least < 1e300 ? least : 0);
+        if (least <= high)
+            return least;
+        low = high;
     }
-    return tops;
+    return 0;
 }
 
 /// Height that most tops have, 0 if there is none.

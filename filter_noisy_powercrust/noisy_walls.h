@@ -58,6 +58,7 @@ private:
     };
 
     std::vector<double> find_tops(const RimLoop& loop, const Points& rims, const Vector& up, const Reach& reach);
+    double find_top(const Point& foot, const Vector& up, const Vector& away, const Reach& reach, double along);
     double find_height(const std::vector<double>& tops) const;
     std::vector<double> find_steps(const RimLoop& loop, const std::vector<double>& tops) const;
 

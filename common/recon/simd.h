@@ -63,6 +63,11 @@ RECON_INLINE HalfLanes larger(HalfLanes a, HalfLanes b)
 {
     return a > b ? a : b;
 }
+/// The sum of Lanes in halves.
+RECON_INLINE double sum(HalfLanes low, HalfLanes high)
+{
+    return ((low[0] + high[0]) + (low[2] + high[2])) + ((low[1] + high[1]) + (low[3] + high[3]));
+}
 
 /// x where a <= b, y elsewhere.
 RECON_INLINE Lanes where_at_most(Lanes a, Lanes b, Lanes x, Lanes y)
