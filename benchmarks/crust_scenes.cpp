@@ -1,10 +1,10 @@
 // Scenes over a floor, ray-cast: tables, chairs, shelves, balls, boxes, seen by one to five scanners around or above.
-// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera]
+// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner]
 // One Markdown row a scene: share of samples whose normal is right (filter "Compute normals"), and share that a crust
 // reaches within 2.5 spacings and faces as they do, by the power crust and by AMLS's reconstruction, both with open
 // holes. Odd seeds are turned at random, so that no axis is up. A depth camera sees the scene from one place, half of
 // them before a wall, in pixels whose depth is a whole number of steps that grow with its square; odd seeds are in its
-// own coordinates.
+// own coordinates. So are those of a laser scanner, which stands in the middle and turns, half of them in a room.
 #include "filter_amls/outward_normals.h"
 #include "filter_amls/reconstruct_amls.h"
 #include "filter_noisy_powercrust/reconstruct.h"
@@ -14,6 +14,7 @@
 #include "tests/shapes.h"
 
 #include <recon/keep_apart.h>
+#include <recon/median.h>
 
 #include <Eigen/Geometry>
 
@@ -116,8 +117,8 @@ private:
     shapes::Random random_;
 };
 
-/// A floor and what stands on it. \returns how many.
-int add_things(Scene& scene, double length, double width)
+/// A floor and what stands on it. \param free around the middle. \returns how many.
+int add_things(Scene& scene, double length, double width, double free = 0)
 {
     scene.add_box({-length, -width, -0.05}, {length, width, 0});
     const int wanted = 1 + scene.draw_index(6);
@@ -125,7 +126,8 @@ int add_things(Scene& scene, double length, double width)
     for (int trial = 0; trial < 60 && int(places.size()) < wanted; ++trial)
     {
         const Point p(scene.draw(-1, 1) * (length - 0.8), scene.draw(-1, 1) * (width - 0.8), 0);
-        if (std::all_of(places.begin(), places.end(), [&](const Point& q) { return (p - q).norm() > 1.1; }))
+        if (p.norm() >= free &&
+            std::all_of(places.begin(), places.end(), [&](const Point& q) { return (p - q).norm() > 1.1; }))
         {
             places.push_back(p);
             scene.add_thing(p.x(), p.y());
@@ -231,20 +233,65 @@ OrientedSamples take_frame(Scene& scene, unsigned seed, int& things, double& spa
     return result;
 }
 
+/// The same by a laser scanner. \param spacing of its rays at the median range, written.
+OrientedSamples sweep(Scene& scene, unsigned seed, int& things, double& spacing)
+{
+    const double length = scene.draw(2.5, 5), width = scene.draw(2.5, 5), height = scene.draw(1.2, 1.8);
+    things = add_things(scene, length, width, 1.5);
+    if (scene.draw(0, 1) < 0.5)
+    {
+        const Point low(-length, -width, 0), high(length, width, 2.6);
+        for (int axis = 0; axis < 2; ++axis)
+            for (const bool far : {false, true})
+            {
+                Point from = low, to = high;
+                (far ? from : to)[axis] = far ? high[axis] : low[axis];
+                (far ? to : from)[axis] += far ? 0.05 : -0.05;
+                scene.add_box(from, to);
+            }
+        scene.add_box({-length, -width, 2.6}, {length, width, 2.65});
+    }
+    const MeshDistance surface(scene.mesh);
+    const Point eye(0, 0, height);
+    const double step = scene.draw(0.35, 0.6) * pi / 180,
+                 noise = std::array{0.0, 0.002, 0.006}[std::size_t(scene.draw_index(3))];
+    OrientedSamples result;
+    std::vector<double> ranges;
+    for (double over = -pi / 3; over < pi / 3; over += step)
+        for (double about = -pi; about < pi - step / 2; about += step)
+        {
+            const Vector direction(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about), std::sin(over));
+            const MeshDistance::Nearest hit = surface.first_hit(eye, direction);
+            if (hit.triangle < 0)
+                continue;
+            // Of variance 1, nearly Gaussian.
+            const double off = scene.draw(-1, 1) + scene.draw(-1, 1) + scene.draw(-1, 1);
+            ranges.push_back((hit.point - eye).norm() + noise * off);
+            result.points.push_back(seed % 2 == 1 ? Point(ranges.back() * direction)
+                                                  : Point(eye + ranges.back() * direction));
+            result.normals.push_back(normal_of(scene.mesh, hit.triangle));
+        }
+    spacing = step * median(std::move(ranges));
+    return result;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
     if (argc < 3)
     {
-        std::fprintf(stderr, "usage: %s <first seed> <scenes> [-o folder] [--depth-camera]\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner]\n",
+                     argv[0]);
         return 2;
     }
     std::string folder;
-    bool by_depth_camera = false;
+    bool by_depth_camera = false, by_laser_scanner = false;
     for (int i = 3; i < argc; ++i)
         if (std::strcmp(argv[i], "--depth-camera") == 0)
             by_depth_camera = true;
+        else if (std::strcmp(argv[i], "--laser-scanner") == 0)
+            by_laser_scanner = true;
         else if (std::strcmp(argv[i], "-o") == 0 && i + 1 < argc)
             folder = argv[++i];
     const int scenes = std::atoi(argv[2]);
@@ -257,8 +304,9 @@ int main(int argc, char** argv)
         Scene scene(seed);
         int things, scanners = 1;
         double spacing;
-        const OrientedSamples cloud =
-            by_depth_camera ? take_frame(scene, seed, things, spacing) : scan(scene, seed, things, scanners, spacing);
+        const OrientedSamples cloud = by_depth_camera    ? take_frame(scene, seed, things, spacing)
+                                      : by_laser_scanner ? sweep(scene, seed, things, spacing)
+                                                         : scan(scene, seed, things, scanners, spacing);
         NoisyPowerCrustOptions crust;
         crust.open_holes = true;
         AmlsReconstructionOptions amls;

@@ -5,6 +5,7 @@
 #include "project.h"
 
 #include <recon/block_search.h>
+#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/parallel.h>
 
@@ -62,18 +63,16 @@ std::optional<ExactCrust> find_exact_crust(const Points& points, const AmlsSurfa
     return crust;
 }
 
-} // namespace
-
-OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
+/// The surface's, and those of the crust where that knows better.
+OutwardNormals find_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
 {
-    const ThreadTeam team;
     const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.5, "AMLS surface"));
     AmlsProjectionOptions projection;
     projection.threads = options.threads;
     OutwardNormals result;
     result.surface = surface.report();
     result.normals = project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection")).normals;
-    if (options.noise > 0)
+    if (options.noise > 0 || result.surface.seen_from)
         return result;
     const auto crust = find_exact_crust(points, surface, resolve_threads(options.threads), progress.part(0.6, 1));
     if (!crust)
@@ -87,6 +86,33 @@ OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& opt
             result.normals[i] = normal;
     }
     return result;
+}
+
+/// A room is closed around its scanner, and its walls face that, as all that anything sees does.
+void face_scanner_within(const Points& points, OutwardNormals& found)
+{
+    if (found.surface.open)
+        return;
+    const std::optional<DepthCamera> scanner = find_depth_camera(points);
+    if (!scanner)
+        return;
+    found.surface.seen_from = scanner->place;
+    std::ptrdiff_t balance = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        balance += found.normals[i].dot(scanner->place - points[i]) > 0 ? 1 : -1;
+    if (balance < 0)
+        for (Vector& normal : found.normals)
+            normal = -normal;
+}
+
+} // namespace
+
+OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
+{
+    const ThreadTeam team;
+    OutwardNormals found = find_normals(points, options, progress);
+    face_scanner_within(points, found);
+    return found;
 }
 
 } // namespace recon

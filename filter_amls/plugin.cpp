@@ -10,7 +10,9 @@ void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::
     result.values.emplace_back("anchors", report.anchors);
     result.values.emplace_back("open", report.open);
     plugin::append_seconds(result, report.seconds);
-    if (report.open)
+    if (report.seen_from)
+        result.log.push_back("The points are what one camera or scanner saw from the origin: normals face it.");
+    else if (report.open)
         result.log.push_back(
             "The points are an open sheet without inside and outside: normals are consistent across it, "
             "but which side they point to has no meaning. Those of a level one, as a terrain, point up (z).");

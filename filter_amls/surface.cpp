@@ -2,6 +2,7 @@
 
 #include "anchors.h"
 #include "cell_sides.h"
+#include "face_camera.h"
 #include "feature_size.h"
 #include "orient.h"
 #include "robust_scale.h"
@@ -131,13 +132,6 @@ bool faces_down(const Points& points, const Orientation& orientation, const std:
     return !open.empty() && is_upside_down(open, normals_of_open);
 }
 
-void face(const Point& camera, const Points& points, Vectors& normals)
-{
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (normals[i].dot(camera - points[i]) < 0)
-            normals[i] = -normals[i];
-}
-
 /// Sides of the landmarks, from which all cells take theirs, or from given normals. \param points those of `data`, as
 /// given.
 Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorChoice& choice,
@@ -153,16 +147,22 @@ Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorCh
     }
     Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads,
                                              progress.part(0, 0.5, "Orientation"));
+    std::optional<Point>& seen_from = data.report.seen_from;
     if (orientation.open)
     {
         if (const std::optional<DepthCamera> camera = find_depth_camera(points))
-            face(data.frame.to_unit(camera->place), landmarks, orientation.normals);
+        {
+            seen_from = camera->place;
+            face_camera(data.frame.to_unit(*seen_from), landmarks, orientation.normals, threads);
+        }
         else if (faces_down(landmarks, orientation, choice.landmark_spacing))
             turn_over(orientation.normals, orientation.is_closed);
     }
     orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     if (!given_normals.empty()) // cells of which none says anything keep the sides found
         orient_by_given(data.cells, points_at(data.spatial.order, given_normals), normals.normals);
+    else if (seen_from)
+        return orientation;
     else if (const auto better = find_sides_of_thin_walls(data.points, data.cells, normals.normals,
                                                           orientation.contradicted, orientation.open, *data.crust,
                                                           threads, progress.part(0.5, 1, "Sides of thin walls")))

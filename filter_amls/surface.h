@@ -4,6 +4,7 @@
 #include <recon/progress.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,7 @@ struct AmlsSurfaceReport
     int anchors = 0;         ///< [count]
     double contradicted = 0; ///< Share of what was known about sides that the orientation contradicts [0..1].
     bool open = false; ///< The cloud is an open sheet: "outside" has no meaning, the orientation is only consistent.
+    std::optional<Point> seen_from = {}; ///< Place of the camera or scanner that the normals face, if one was found.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };
 

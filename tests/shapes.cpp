@@ -443,6 +443,44 @@ OrientedSamples depth_frame(int columns, double step, std::uint64_t seed)
     return frame;
 }
 
+OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed)
+{
+    Random random(seed);
+    const double step = 2 * pi / around, radius = 0.5;
+    const Point ball(1.6, 1.2, -1), low(-3, -2.5, -1.5), high(2.5, 3, 1.3);
+    OrientedSamples scan;
+    for (int i = 0; i < around / 3; ++i)
+        for (int j = 0; j < around; ++j)
+        {
+            const double over = (i - around / 6) * step, about = j * step;
+            const Vector ray(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about), std::sin(over));
+            double range = 1e300;
+            Vector normal;
+            for (int axis = 0; axis < 3; ++axis)
+            {
+                const double end = (ray[axis] < 0 ? low : high)[axis] / ray[axis];
+                const bool is_floor = axis == 2 && ray.z() < 0;
+                if (end < range && (is_floor || in_room))
+                {
+                    range = end;
+                    normal = Vector::Unit(axis) * (ray[axis] < 0 ? 1 : -1);
+                }
+            }
+            const double along = ray.dot(ball), under = along * along - (ball.squaredNorm() - radius * radius);
+            if (under > 0 && along > 0)
+            {
+                range = along - std::sqrt(under);
+                normal = (range * ray - ball).normalized();
+            }
+            if (!in_room && range > 4)
+                continue;
+            range += noise * (2 * (uniform(random) + uniform(random) + uniform(random)) - 3);
+            scan.points.push_back(range * ray);
+            scan.normals.push_back(normal);
+        }
+    return scan;
+}
+
 OrientedSamples ball_apart_from_a_floor(const Point& centre, double radius, std::uint64_t seed)
 {
     OrientedSamples scene = sphere(int(std::lround(4 * pi * radius * radius)), radius, seed);

@@ -220,3 +220,15 @@ TEST(OutwardNormals, OfADepthImageFaceItsCamera)
         EXPECT_GT(checks::share_facing(found.normals, frame.normals), 0.98) << step;
     }
 }
+
+TEST(OutwardNormals, OfALaserScanFaceItsScanner)
+{
+    for (const bool in_room : {false, true})
+        for (const double noise : {0.0, 0.01})
+        {
+            const OrientedSamples scan = shapes::laser_scan(360, noise, in_room, 4);
+            const OutwardNormals found = find_outward_normals(scan.points);
+            EXPECT_EQ(found.surface.seen_from, std::optional(Point(0, 0, 0))) << in_room << " " << noise;
+            EXPECT_GT(checks::share_facing(found.normals, scan.normals), 0.98) << in_room << " " << noise;
+        }
+}

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 using namespace recon;
 
 namespace
@@ -65,4 +68,43 @@ TEST(FindDepthCamera, TellsItsSteps)
     EXPECT_NEAR(coarse->step_at(Point(1, 0, 4)), 16 * 0.01, 0.03);
     const UnitFrame frame(coarse_frame);
     EXPECT_NEAR(coarse->in(frame).step_at(frame.to_unit(Point(0, 0, 2))) * frame.scale(), 4 * 0.01, 0.01);
+}
+
+TEST(FindDepthCamera, FindsALaserScanner)
+{
+    for (const bool in_room : {false, true})
+        for (const double noise : {0.0, 0.01})
+            for (const int axis : {0, 1, 2})
+            {
+                Points points = shapes::laser_scan(360, noise, in_room, 3).points;
+                for (Point& p : points)
+                    p = Point(p[(3 - axis) % 3], p[(4 - axis) % 3], p[(5 - axis) % 3]);
+                points.insert(points.end(), 100, Point::Zero()); // rays that hit nothing
+                const auto scanner = find_depth_camera(points);
+                ASSERT_TRUE(scanner) << in_room << " " << noise << " " << axis;
+                EXPECT_EQ(scanner->place, Point::Zero());
+                EXPECT_NEAR(scanner->pixel, 2 * 3.14159265 / 360, 1e-4);
+                EXPECT_FALSE(find_coarse_depth_camera(points));
+            }
+}
+
+TEST(FindDepthCamera, TakesNoBodyInPolarCoordinatesForAScan)
+{
+    // Seen from within: an egg, a cube, a bumpy planet; and a scan beside its place.
+    std::vector<Points> clouds(3);
+    for (int i = -100; i <= 100; ++i)
+        for (int j = 0; j < 360; ++j)
+        {
+            const double over = i * 0.015, about = j * 3.14159265358979 / 180;
+            const Vector ray(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about), std::sin(over));
+            clouds[0].push_back(ray / std::sqrt(ray.squaredNorm() - 0.9 * ray.z() * ray.z()));
+            clouds[1].push_back(ray / ray.cwiseAbs().maxCoeff());
+            clouds[2].push_back(ray * (1 + 0.3 * std::sin(7 * about) * std::cos(5 * over)));
+        }
+    clouds.push_back(shapes::laser_scan(360, 0.01, true, 3).points);
+    for (Point& p : clouds.back())
+        p += Vector(0.1, 0, 0.2);
+    for (std::size_t k = 0; k < clouds.size(); ++k)
+        EXPECT_FALSE(find_depth_camera(clouds[k])) << k;
+    EXPECT_FALSE(find_depth_camera(Points(5000, Point::Zero())));
 }
