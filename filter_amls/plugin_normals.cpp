@@ -179,7 +179,8 @@ plugin::FilterSpec recon::plugin_filters::describe_normals()
         std::string("Computes <b>outward unit normals</b> of a point cloud that may be <b>noisy</b> and has no "
                     "normals yet. Which side is outside follows from the Delaunay balls of the cloud, not from a "
                     "viewpoint or from walking over neighbours; where points are free of noise, from a crust through "
-                    "all of them, which knows both sides of thin walls. Points are not moved.<br><br>") +
+                    "all of them, which knows both sides of thin walls. What one depth camera or laser scanner at the "
+                    "origin saw is recognised, and faces it. Points are not moved.<br><br>") +
         citation;
     spec.category = plugin::Category::normal | plugin::Category::point_set;
     spec.effects = plugin::Effect::changes_normals;
