@@ -99,12 +99,13 @@ Points list_bundle(const Points& points, std::size_t k)
         double cosine;
         std::size_t point;
     };
+    constexpr double nowhere = -2;
     std::vector<Ray> rays(points.size());
     const Vector ahead = points[scramble(k) % points.size()].normalized();
     for (std::size_t i = 0; i < points.size(); ++i)
     {
-        const double range = points[i].norm();
-        rays[i] = {range > 0 ? points[i].dot(ahead) / range : -2, i};
+        const double cosine = points[i].dot(ahead) / points[i].norm();
+        rays[i] = {cosine >= -1 ? cosine : nowhere, i}; // none at the origin
     }
     const auto end = rays.begin() + std::ptrdiff_t(std::min(points.size(), most_in_bundle));
     std::nth_element(rays.begin(), end - 1, rays.end(),
@@ -112,7 +113,7 @@ Points list_bundle(const Points& points, std::size_t k)
                      { return a.cosine > b.cosine || (a.cosine == b.cosine && a.point < b.point); });
     Points bundle;
     for (auto ray = rays.begin(); ray != end; ++ray)
-        if (ray->cosine >= -1)
+        if (ray->cosine > nowhere)
             bundle.push_back(points[ray->point]);
     return bundle;
 }
