@@ -19,9 +19,6 @@ struct Orientation
                                  ///< beside a floor, and faces outward whatever the rest does.
 };
 
-/// Where stays[i] is 0.
-void turn_over(Vectors& normals, const std::vector<char>& stays);
-
 /// Chooses the sign of each normal from the Delaunay balls of the points (README.md, step 6). Balls of neighbouring
 /// cells that intersect deeply lie on one side, the two poles of a point on opposite ones; of these constraints as much
 /// weight as can be found is kept (label_balls()). \pre points are distinct, of unit scale, thin (not a slab of noise),

@@ -9,6 +9,7 @@
 #include "sides_of_thin_walls.h"
 #include "surface_cells.h"
 #include "surface_data.h"
+#include "turn_pieces.h"
 
 #include <recon/block_search.h>
 #include <recon/depth_image.h>
