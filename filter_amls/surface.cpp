@@ -161,12 +161,15 @@ Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorCh
     }
     orient_cells(data.cells, normals.feet, choice, orientation.normals, normals.normals, threads);
     if (!given_normals.empty()) // cells of which none says anything keep the sides found
+    {
         orient_by_given(data.cells, points_at(data.spatial.order, given_normals), normals.normals);
-    else if (seen_from)
+        seen_from.reset(); // they may face anything
+    }
+    if (!given_normals.empty() || seen_from)
         return orientation;
-    else if (const auto better = find_sides_of_thin_walls(data.points, data.cells, normals.normals,
-                                                          orientation.contradicted, orientation.open, *data.crust,
-                                                          threads, progress.part(0.5, 1, "Sides of thin walls")))
+    if (const auto better = find_sides_of_thin_walls(data.points, data.cells, normals.normals, orientation.contradicted,
+                                                     orientation.open, *data.crust, threads,
+                                                     progress.part(0.5, 1, "Sides of thin walls")))
     {
         orient_by_given(data.cells, *better, normals.normals);
         orientation.open = false;

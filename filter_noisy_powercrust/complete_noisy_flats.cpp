@@ -47,8 +47,6 @@ public:
         rim_normals_.assign(found.rims.size(), Vector::Zero());
         std::vector<FlatFace> faces;
         std::vector<WalledFace> walled = std::move(walled_);
-        std::stable_sort(walled.begin(), walled.end(),
-                         [](const WalledFace& a, const WalledFace& b) { return a.area > b.area; });
         std::vector<FlatFace> bounded;
         for (const WalledFace& entry : walled)
             bounded.push_back(entry.face);
@@ -82,12 +80,14 @@ public:
         return std::move(result_);
     }
 
-    /// Looks for walls along the rims of the faces from `first` on.
-    void find_walls(const NoisyFaces& found, std::size_t first)
+    /// Takes in those faces from `first` on that have walls.
+    void add_walled(const NoisyFaces& found, std::size_t first)
     {
         for (std::size_t k = first; k < found.faces.size(); ++k)
-            if (std::optional<WalledFace> entry = find_walls(found.faces[k], found.rims))
+            if (std::optional<WalledFace> entry = make_walled(found.faces[k], found.rims))
                 walled_.push_back(std::move(*entry));
+        std::stable_sort(walled_.begin(), walled_.end(),
+                         [](const WalledFace& a, const WalledFace& b) { return a.area > b.area; });
     }
 
     /// Planes parallel to a face, in which none lies, where walls end that fall off from it.
@@ -150,7 +150,7 @@ private:
     }
 
     /// A face that has walls along enough of its rims, on whichever side.
-    std::optional<WalledFace> find_walls(const FlatFace& face, const Points& rims)
+    std::optional<WalledFace> make_walled(const FlatFace& face, const Points& rims)
     {
         WalledFace entry;
         entry.face = face;
@@ -368,7 +368,7 @@ private:
     const Points& samples_;
     const Vectors& normals_;
     WallFinder walls_;
-    std::vector<WalledFace> walled_;
+    std::vector<WalledFace> walled_; ///< The largest first.
     NeighbourSearch sample_search_;
     std::vector<int> near_;
     std::vector<NoisyPlane> planes_; ///< Of the faces so far.
@@ -390,11 +390,11 @@ NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, con
     if (found.faces.empty())
         return {};
     NoisyFlatCompleter completer(points, noise, samples, normals);
-    completer.find_walls(found, 0);
+    completer.add_walled(found, 0);
     const std::size_t first = found.faces.size();
     // A bevel or a fillet beside it hides the plane on the other side of a plate; the bores through it end there.
     append(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, threads), found);
-    completer.find_walls(found, first);
+    completer.add_walled(found, first);
     return completer.complete(found, threads);
 }
 

@@ -14,11 +14,15 @@
 namespace recon
 {
 
-/// Sums over the points of a slab, and what lies just beside it.
-struct SlabSums
+template <class Number>
+struct SlabSumsOf
 {
-    double count, squared_heights, beside;
-    double first[3], second[6]; ///< Moments: x, y, z; xx, xy, xz, yy, yz, zz.
+    Number count = {}, squared_heights = {}, beside = {};
+    Number first[3] = {}, second[6] = {}; ///< Moments: x, y, z; xx, xy, xz, yy, yz, zz.
+};
+/// Sums over the points of a slab, and what lies just beside it.
+struct SlabSums : SlabSumsOf<double>
+{
 };
 
 namespace
@@ -49,42 +53,41 @@ void sum_slab(const double* px, const double* py, const double* pz, const double
               double ny, double nz, double offset, double half, SlabSums* sums)
 {
     using simd::HalfLanes;
-    constexpr int sum_count = 12;
-    HalfLanes sums_of_part[2][sum_count];
+    SlabSumsOf<HalfLanes> parts[2];
     // One half of each Lanes after the other: AVX2 has sixteen registers, which hold the sums of one.
     for (int part = 0; part < 2; ++part)
     {
         const HalfLanes nothing = {};
-        HalfLanes count = {}, squared = {}, beside = {}, first[3] = {}, second[6] = {};
+        SlabSumsOf<HalfLanes> own;
         for (int i = part * simd::lane_count / 2; i < size; i += simd::lane_count)
         {
             const HalfLanes x = simd::load_half(px + i), y = simd::load_half(py + i), z = simd::load_half(pz + i),
                             one = simd::load_half(is_point + i);
             const HalfLanes height = nx * x + ny * y + nz * z - offset, h = height < nothing ? -height : height;
             const HalfLanes in = h <= half ? one : nothing, wx = in * x, wy = in * y, wz = in * z;
-            count += in;
-            squared += in * h * h;
-            beside += h <= 2 * half ? one - in : nothing;
-            first[0] += wx;
-            first[1] += wy;
-            first[2] += wz;
-            second[0] += wx * x;
-            second[1] += wx * y;
-            second[2] += wx * z;
-            second[3] += wy * y;
-            second[4] += wy * z;
-            second[5] += wz * z;
+            own.count += in;
+            own.squared_heights += in * h * h;
+            own.beside += h <= 2 * half ? one - in : nothing;
+            own.first[0] += wx;
+            own.first[1] += wy;
+            own.first[2] += wz;
+            own.second[0] += wx * x;
+            own.second[1] += wx * y;
+            own.second[2] += wx * z;
+            own.second[3] += wy * y;
+            own.second[4] += wy * z;
+            own.second[5] += wz * z;
         }
-        HalfLanes* to = sums_of_part[part];
-        for (const HalfLanes& sum : {count, squared, beside, first[0], first[1], first[2], second[0], second[1],
-                                     second[2], second[3], second[4], second[5]})
-            *to++ = sum;
+        parts[part] = own;
     }
-    double* to[sum_count] = {&sums->count,     &sums->squared_heights, &sums->beside,    sums->first,
-                             sums->first + 1,  sums->first + 2,        sums->second,     sums->second + 1,
-                             sums->second + 2, sums->second + 3,       sums->second + 4, sums->second + 5};
-    for (int k = 0; k < sum_count; ++k)
-        *to[k] = simd::sum(sums_of_part[0][k], sums_of_part[1][k]);
+    const auto& [low, high] = parts;
+    sums->count = simd::sum(low.count, high.count);
+    sums->squared_heights = simd::sum(low.squared_heights, high.squared_heights);
+    sums->beside = simd::sum(low.beside, high.beside);
+    for (int k = 0; k < 3; ++k)
+        sums->first[k] = simd::sum(low.first[k], high.first[k]);
+    for (int k = 0; k < 6; ++k)
+        sums->second[k] = simd::sum(low.second[k], high.second[k]);
 }
 
 class PlaneFinder

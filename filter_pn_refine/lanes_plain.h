@@ -115,6 +115,7 @@ PN_INLINE void store_compressed(Mask m, Vector v, Number* to)
     for (; m != 0; m &= m - 1)
         *to++ = from[first_of(m)];
 }
+/// Per lane: how many of n numbers are smaller.
 PN_INLINE Ints count_smaller(Ints v, const std::int32_t* of, int n)
 {
     Ints count = {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "checks.h"
+#include "scans.h"
 #include "shapes.h"
 
 #include <gtest/gtest.h>

@@ -98,16 +98,6 @@ recon::Points ball_on_a_ground(std::uint64_t seed);
 /// a unit of area, jittered, none in the table's shadow; all face up.
 recon::OrientedSamples table_over_a_floor(std::uint64_t seed);
 
-/// One frame of a depth camera at the origin that looks along z, y down: a floor 0.6 below, a wall four away
-/// and a ball between them. Depths are rounded to steps of `step` at a depth of 1 that grow with its square, up or down
-/// by chance. \param columns of pixels; three quarters as many rows.
-recon::OrientedSamples depth_frame(int columns, double step, std::uint64_t seed);
-
-/// What a laser scanner at the origin, which turns about z, sees of a ball of radius 0.5 two away on a floor 1.5 below,
-/// up to four away or as far as the walls and the ceiling of a room. \param around rays of a turn; a third as many over
-/// the other angle, 120 degrees. \param noise standard deviation of ranges, nearly Gaussian.
-recon::OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed);
-
 /// A closed ball, one sample a unit of area, and behind its samples those of the same floor, whole, facing up.
 recon::OrientedSamples ball_apart_from_a_floor(const recon::Point& centre, double radius, std::uint64_t seed);
 

@@ -73,6 +73,15 @@ bool has_relief(const Points& points, int axis)
     return quantile(depths, 0.95) > least_relief * quantile(depths, 0.05);
 }
 
+/// The median of distances between neighbours, 0 if too few are like it.
+double find_even_step(const std::vector<double>& steps, double tolerance)
+{
+    const double usual = median(steps);
+    const auto alike = std::count_if(steps.begin(), steps.end(),
+                                     [&](double step) { return std::abs(step - usual) <= tolerance * usual; });
+    return double(alike) >= on_grid * double(steps.size()) ? usual : 0;
+}
+
 /// Distance of neighbours in the image; 0 if they are on no grid.
 double measure_pixel(const Points& pixels)
 {
@@ -85,10 +94,7 @@ double measure_pixel(const Points& pixels)
         search.nearest(pixels[i], 2, nearest, squared);
         steps.push_back(std::sqrt(squared[1]));
     }
-    const double usual = median(steps);
-    const auto alike =
-        std::count_if(steps.begin(), steps.end(), [&](double step) { return std::abs(step - usual) <= even * usual; });
-    return double(alike) >= on_grid * double(steps.size()) ? usual : 0;
+    return find_even_step(steps, even);
 }
 
 /// Those points that from the origin lie next to the k-th of some random ones.
@@ -167,10 +173,7 @@ public:
     /// Distance of neighbouring rays [radians]; 0 if they are on no grid of angles.
     double measure_angle() const
     {
-        const double usual = median(steps_), asked = double(steps_.size());
-        const auto alike = std::count_if(steps_.begin(), steps_.end(),
-                                         [&](double step) { return std::abs(step - usual) <= even_angles * usual; });
-        return double(alike) >= on_grid * asked && straight_ >= on_grid * asked ? usual : 0;
+        return straight_ >= on_grid * double(steps_.size()) ? find_even_step(steps_, even_angles) : 0;
     }
     bool have_gaps() const { return gaps_ >= least_gaps * double(steps_.size()); }
 

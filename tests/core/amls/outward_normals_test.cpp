@@ -3,6 +3,7 @@
 #include "filter_amls/project.h"
 #include "project_all.h"
 #include "tests/checks.h"
+#include "tests/scans.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>

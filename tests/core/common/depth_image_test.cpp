@@ -1,6 +1,7 @@
 #include <recon/depth_image.h>
 #include <recon/spatial_order.h>
 
+#include "tests/scans.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>

@@ -2,6 +2,7 @@
 #include <recon/sheet_stack.h>
 #include <recon/spatial_order.h>
 
+#include "tests/scans.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,90 @@
+#include "scans.h"
+
+#include "shapes.h"
+
+#include <cmath>
+
+namespace shapes
+{
+
+using recon::OrientedSamples;
+using recon::Point;
+using recon::Vector;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+
+} // namespace
+
+OrientedSamples depth_frame(int columns, double step, std::uint64_t seed)
+{
+    Random random(seed);
+    const double pixel = 1.0 / columns, radius = 0.4, height = 0.6;
+    const Point ball(0.4, 0.2, 2.6);
+    OrientedSamples frame;
+    for (int i = 0; i < columns * 3 / 4; ++i)
+        for (int j = 0; j < columns; ++j)
+        {
+            const Vector ray((j - columns / 2.0) * pixel, (i - columns * 3 / 8.0) * pixel, 1);
+            double depth = 4;
+            Vector normal(0, 0, -1);
+            if (ray.y() * depth > height)
+            {
+                depth = height / ray.y();
+                normal = -Vector::UnitY();
+            }
+            const double along = ray.dot(ball),
+                         under = along * along - ray.squaredNorm() * (ball.squaredNorm() - radius * radius);
+            if (under > 0)
+            {
+                depth = (along - std::sqrt(under)) / ray.squaredNorm();
+                normal = (depth * ray - ball).normalized();
+            }
+            depth = 1 / (step * std::round(1 / (step * depth) + uniform(random) - 0.5));
+            frame.points.push_back(depth * ray);
+            frame.normals.push_back(normal);
+        }
+    return frame;
+}
+
+OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed)
+{
+    Random random(seed);
+    const double step = 2 * pi / around, radius = 0.5;
+    const Point ball(1.6, 1.2, -1), low(-3, -2.5, -1.5), high(2.5, 3, 1.3);
+    OrientedSamples scan;
+    for (int i = 0; i < around / 3; ++i)
+        for (int j = 0; j < around; ++j)
+        {
+            const double over = (i - around / 6) * step, about = j * step;
+            const Vector ray(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about), std::sin(over));
+            double range = 1e300;
+            Vector normal;
+            for (int axis = 0; axis < 3; ++axis)
+            {
+                const double end = (ray[axis] < 0 ? low : high)[axis] / ray[axis];
+                const bool is_floor = axis == 2 && ray.z() < 0;
+                if (end < range && (is_floor || in_room))
+                {
+                    range = end;
+                    normal = Vector::Unit(axis) * (ray[axis] < 0 ? 1 : -1);
+                }
+            }
+            const double along = ray.dot(ball), under = along * along - (ball.squaredNorm() - radius * radius);
+            if (under > 0 && along > 0)
+            {
+                range = along - std::sqrt(under);
+                normal = (range * ray - ball).normalized();
+            }
+            if (!in_room && range > 4)
+                continue;
+            range += noise * (2 * (uniform(random) + uniform(random) + uniform(random)) - 3);
+            scan.points.push_back(range * ray);
+            scan.normals.push_back(normal);
+        }
+    return scan;
+}
+
+} // namespace shapes
