@@ -19,32 +19,51 @@ namespace
 {
 
 /// Share of violated votes above which the crust's sides are not trusted: up to 0.045 on coarse exact clouds they are
-/// better than those of the AMLS surface, at 0.08 worse.
+/// better than those of the AMLS surface, at 0.08 worse; 0.016 and 0.057 on noisy ones.
 constexpr double trusted_votes = 0.05;
-/// The surface's normal stays if it is within this of the crust's [radians], and more where the crust is rough
-/// [radians per spacing].
-constexpr double agreeing = 0.1;
-constexpr double agreeing_roughness = 5;
+/// The surface's normal stays if it is within `agreeing` [radians] of the crust's, and more where the crust is rough
+/// [radians per spacing]; at most so much where it goes through the points [radians]. Where their noise is a third of
+/// the spacing of the crust's samples only opposite ones go: what else differs is the crust's roughness.
+constexpr double agreeing = 0.1, agreeing_roughness = 5;
+constexpr double most_agreeing_exact = 1, most_agreeing = 1.57;
 
-/// A crust through exact points.
-struct ExactCrust
+/// A crust through the points or, if these are noisy, through samples of their surface.
+struct TrustedCrust
 {
-    Vectors normals; ///< One per point, zero if it has none.
-    double least_roughness = 0;
+    Vectors normals;         ///< One per point, zero if it has none.
+    double least_cosine = 0; ///< With the surface's normals, which stay then.
+    bool is_exact = false;   ///< Whether it goes through the points.
 };
 
-/// None if the points are not exact, or the crust is not to be trusted.
-std::optional<ExactCrust> find_exact_crust(const Points& points, const AmlsSurface& surface, int threads,
-                                           const Progress& progress)
+double find_least_cosine(const LabelledSamples& found, double noise)
+{
+    const double roughness =
+        found.is_exact ? found.least_roughness : noise / (found.frame.scale() * found.labelled.spacing);
+    return std::cos(
+        std::min(agreeing + agreeing_roughness * roughness, found.is_exact ? most_agreeing_exact : most_agreeing));
+}
+
+/// Of a closed cloud; none of an open one, whose crust has lids, for which its sides are chosen, unless it is one of
+/// lost tubes, which look open.
+std::optional<LabelledSamples> label(const Points& points, const AmlsSurface& surface, bool may_be_exact, int threads,
+                                     const Progress& progress)
 {
     PhaseTimes times;
+    const BallLabellingOptions options = options_for_labels(threads);
+    if (!surface.report().open)
+        return label_points(points, surface, may_be_exact, options, times, progress);
+    return may_be_exact ? label_only_tubes(points, surface, options, times, progress) : std::nullopt;
+}
+
+/// None if it is not to be trusted.
+std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsSurface& surface, bool may_be_exact,
+                                               int threads, const Progress& progress)
+{
     std::optional<LabelledSamples> found;
     Vectors normals;
     try
     {
-        // An open cloud's crust has lids, and its sides are chosen for them. But lost tubes look open.
-        const auto label = surface.report().open ? label_only_tubes : label_only_exact_points;
-        found = label(points, surface, options_for_labels(threads), times, progress.part(0, 0.8));
+        found = label(points, surface, may_be_exact, threads, progress.part(0, 0.8));
         if (!found || found->labelled.violated_votes > trusted_votes)
             return {};
         normals = list_crust_normals(found->samples, found->labelled, threads, progress.part(0.8, 1, "crust")).normals;
@@ -54,7 +73,7 @@ std::optional<ExactCrust> find_exact_crust(const Points& points, const AmlsSurfa
         return {};
     }
     const BlockSearch search(found->samples);
-    ExactCrust crust{Vectors(points.size()), found->least_roughness};
+    TrustedCrust crust{Vectors(points.size()), find_least_cosine(*found, surface.report().noise), found->is_exact};
     parallel_for(
         points.size(), threads, {},
         [&](std::size_t i)
@@ -72,17 +91,17 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     OutwardNormals result;
     result.surface = surface.report();
     result.normals = project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection")).normals;
-    if (options.noise > 0 || result.surface.seen_from)
+    if (result.surface.seen_from)
         return result;
-    const auto crust = find_exact_crust(points, surface, resolve_threads(options.threads), progress.part(0.6, 1));
+    const auto crust = find_trusted_crust(points, surface, options.noise == 0, resolve_threads(options.threads),
+                                          progress.part(0.6, 1));
     if (!crust)
         return result;
-    result.is_exact = true;
-    const double least_cosine = std::cos(std::min(agreeing + agreeing_roughness * crust->least_roughness, 1.0));
+    result.is_exact = crust->is_exact;
     for (std::size_t i = 0; i < points.size(); ++i)
     {
         const Vector& normal = crust->normals[i];
-        if (normal.squaredNorm() > 0 && normal.dot(result.normals[i]) < least_cosine)
+        if (normal.squaredNorm() > 0 && normal.dot(result.normals[i]) < crust->least_cosine)
             result.normals[i] = normal;
     }
     return result;
