@@ -2,6 +2,7 @@
 
 #include "crust_normals.h"
 #include "label_points.h"
+#include "mesh_attempts.h"
 #include "project.h"
 
 #include <recon/block_search.h>
@@ -55,31 +56,60 @@ std::optional<LabelledSamples> label(const Points& points, const AmlsSurface& su
     return may_be_exact ? label_only_tubes(points, surface, options, times, progress) : std::nullopt;
 }
 
+CrustNormals list_crust_normals(const LabelledSamples& found, int threads, const Progress& progress)
+{
+    return list_crust_normals(found.samples, found.labelled, threads, progress);
+}
+
+/// With less noise, where that shows walls that were taken for noise.
+void look_for_walls(const Points& points, const AmlsSurface& surface, LabelledSamples& found, CrustNormals& crust,
+                    int threads, const Progress& progress)
+{
+    MeshAttempt attempt{surface, std::move(found), std::move(crust.crust)};
+    attempt.found.frame.from_unit_in_place(attempt.mesh.vertices);
+    MeshedWalls walls;
+    if (seems_filled(points, attempt, threads))
+    {
+        AmlsReconstructionOptions options;
+        options.threads = threads;
+        PhaseTimes times;
+        walls = look_for_meshed_walls(points, options, attempt, times, progress.part(0, 0.9));
+    }
+    found = std::move(walls.found ? walls.found->found : attempt.found);
+    if (walls.found)
+        crust = list_crust_normals(found, threads, progress.part(0.9, 1));
+    progress.report(1);
+}
+
 /// None if it is not to be trusted.
 std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsSurface& surface, bool may_be_exact,
                                                int threads, const Progress& progress)
 {
     std::optional<LabelledSamples> found;
-    Vectors normals;
+    CrustNormals crust;
     try
     {
-        found = label(points, surface, may_be_exact, threads, progress.part(0, 0.8));
-        if (!found || found->labelled.violated_votes > trusted_votes)
+        found = label(points, surface, may_be_exact, threads, progress.part(0, 0.4));
+        if (!found)
             return {};
-        normals = list_crust_normals(found->samples, found->labelled, threads, progress.part(0.8, 1, "crust")).normals;
+        crust = list_crust_normals(*found, threads, progress.part(0.4, 0.5, "crust"));
+        if (may_be_exact)
+            look_for_walls(points, surface, *found, crust, threads, progress.part(0.5, 1));
     }
     catch (const AlgorithmFailure&) // nothing is inside
     {
         return {};
     }
+    if (found->labelled.violated_votes > trusted_votes)
+        return {};
     const BlockSearch search(found->samples);
-    TrustedCrust crust{Vectors(points.size()), find_least_cosine(*found, surface.report().noise), found->is_exact};
+    TrustedCrust trusted{Vectors(points.size()), find_least_cosine(*found, surface.report().noise), found->is_exact};
     parallel_for(
         points.size(), threads, {},
         [&](std::size_t i)
-        { crust.normals[i] = normals[std::size_t(search.nearest(found->frame.to_unit(points[i])))]; },
+        { trusted.normals[i] = crust.normals[std::size_t(search.nearest(found->frame.to_unit(points[i])))]; },
         1024);
-    return crust;
+    return trusted;
 }
 
 /// The surface's, and those of the crust where that knows better.

@@ -1,8 +1,6 @@
 #include "reconstruct_amls.h"
 
-#include "label_points.h"
-#include "smooth_mesh.h"
-#include "surface_data.h"
+#include "mesh_attempts.h"
 
 #include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
@@ -16,8 +14,6 @@
 #include <recon/trim.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 namespace recon
@@ -37,25 +33,8 @@ void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, const Poi
     is_on_surface = std::move(left);
 }
 
-/// A mesh of the points denoised as if they had a given noise.
-struct Attempt
-{
-    AmlsSurface surface;
-    LabelledSamples found;
-    TriangleMesh mesh = {};
-    std::vector<char> is_on_surface = {}; ///< Per vertex.
-    DroppedBodies dropped = {};
-    bool is_opened = false; ///< Whether lids were taken off what it had closed.
-};
-
-/// In the frame of its samples.
-TriangleMesh crust_of(const Attempt& attempt)
-{
-    return {attempt.found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
-}
-
 /// Over holes of the scan; vertices that move are on the surface no more.
-void draw_closings_taut(Attempt& attempt, int threads)
+void draw_closings_taut(MeshAttempt& attempt, int threads)
 {
     TriangleMesh taut = crust_of(attempt);
     const Points before = taut.vertices;
@@ -69,147 +48,6 @@ void draw_closings_taut(Attempt& attempt, int threads)
         }
 }
 
-/// What a mesh is compared with: copies would leave points without a spacing, and the order of the input chance.
-Points list_distinct(const Points& points, const AmlsSurface& surface)
-{
-    return points_at(surface.data().spatial.order, points);
-}
-
-bool has_lids(const Attempt& attempt, const TriangleMesh& crust, int threads)
-{
-    return measure_bare_area(attempt.found.samples, crust, threads) > bare_lid;
-}
-
-/// Whether bare lids seem to close what walls hold that were taken for noise: votes object, or points lie beside the
-/// surface as no noise does.
-bool seems_filled(const Points& points, const Attempt& attempt, int threads)
-{
-    const LabelledSamples& found = attempt.found;
-    const double noise = attempt.surface.report().noise / found.frame.scale();
-    if (found.is_exact || noise < least_noise_of_walls * found.labelled.spacing)
-        return false;
-    const TriangleMesh crust = crust_of(attempt);
-    if (!has_lids(attempt, crust, threads))
-        return false;
-    if (found.labelled.violated_votes > objecting_votes)
-        return true;
-    const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
-    return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
-}
-
-Mismatch measure_mismatch(const Points& points, const Attempt& attempt, int threads)
-{
-    return measure_mismatch(attempt.found.frame.to_unit(list_distinct(points, attempt.surface)), crust_of(attempt),
-                            threads);
-}
-
-/// The crust of the attempt's labels, on its surface.
-void make_mesh(Attempt& attempt, const AmlsReconstructionOptions& options, PhaseTimes& times, const Progress& progress)
-{
-    const LabelledSamples& found = attempt.found;
-    times.begin("crust");
-    CrustOptions crust;
-    crust.keep_components = options.keep_components;
-    crust.simplify = options.simplify;
-    crust.target_vertices = int(found.samples.size());
-    crust.interpolated = &found.samples;
-    crust.threads = resolve_threads(options.threads);
-    attempt.mesh = make_crust(found.labelled, crust, progress.part(0, 0.5, "crust"), &attempt.dropped);
-    found.frame.from_unit_in_place(attempt.mesh.vertices);
-    attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
-    if (!found.is_exact)
-    {
-        times.begin("smooth");
-        attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
-                                            progress.part(0.5, 1, "projection of the mesh"));
-    }
-}
-
-/// \param noise 0 = estimate. \param earlier attempt, if there was one.
-Attempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise,
-                     const Attempt* earlier, PhaseTimes& times, const Progress& progress)
-{
-    times.begin("surface");
-    AmlsOptions surface_options;
-    surface_options.rho_e = options.rho_e;
-    surface_options.noise = noise;
-    surface_options.threads = options.threads;
-    surface_options.for_crust = true;
-    AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"), {},
-                                             earlier ? &earlier->surface : nullptr);
-    BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));
-    // Where samples disputed that they share balls, those of the next attempt would, too.
-    if (earlier && !earlier->found.labelled.is_shared)
-        labelling.sharing = BallSharing::none;
-    LabelledSamples labelled =
-        label_points(points, surface, noise == 0, labelling, times, progress.part(0.4, 0.8, "labels"));
-    Attempt attempt{std::move(surface), std::move(labelled)};
-    make_mesh(attempt, options, times, progress.part(0.8, 1));
-    return attempt;
-}
-
-/// Opens all lids. \param mismatch of the best attempt so far. \returns whether that is clearly better.
-bool open_lids(Attempt& attempt, const Points& points, const AmlsReconstructionOptions& options, double mismatch,
-               PhaseTimes& times, const Progress& progress)
-{
-    LabelledSamples& found = attempt.found;
-    if (found.labelled.violated_votes <= objecting_votes || found.normals.empty())
-        return false;
-    const int threads = resolve_threads(options.threads);
-    std::optional<LabelledBalls> opened =
-        label_with_open_lids(found.samples, found.normals, found.labelled, options_for_labels(threads), times,
-                             progress.part(0, 0.7, "open lids"));
-    if (!opened)
-        return false;
-    found.labelled = std::move(*opened);
-    attempt.is_opened = true;
-    make_mesh(attempt, options, times, progress.part(0.7, 1));
-    return measure_mismatch(points, attempt, threads).sum() < clearly_better * mismatch;
-}
-
-struct WallSearch
-{
-    std::optional<Attempt> found = {};
-    bool has_none = false; ///< Whether there are none to find.
-};
-
-/// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
-/// is one; else that with an eighth and open lids, if the points object to lids and not to these.
-WallSearch look_for_walls(const Points& points, const AmlsReconstructionOptions& options, const Attempt& first,
-                          PhaseTimes& times, const Progress& progress)
-{
-    const int threads = resolve_threads(options.threads);
-    const double noise = first.surface.report().noise;
-    const Mismatch mismatch = measure_mismatch(points, first, threads);
-    const PointsAgainst before{mismatch.missed_points, first.found.labelled.violated_votes};
-    std::optional<Attempt> last;
-    for (int i = 1; i <= halvings; ++i)
-    {
-        last.reset();
-        try
-        {
-            last = attempt_mesh(points, options, std::ldexp(noise, -i), &first, times,
-                                progress.part(0.9 * (i - 1) / halvings, 0.9 * i / halvings, "less noise"));
-        }
-        catch (const AlgorithmFailure&) // nothing is inside
-        {
-            continue;
-        }
-        const TriangleMesh crust = crust_of(*last);
-        if (!has_lids(*last, crust, threads))
-            return {std::move(last)};
-        const double missed =
-            measure_missed_points(last->found.frame.to_unit(list_distinct(points, last->surface)), crust, threads);
-        if (finds_no_walls(before, {missed, last->found.labelled.violated_votes}))
-            return {{}, true};
-        if (missed > barely_less * before.missed)
-            i = std::max(i, halvings - 1);
-    }
-    if (last && open_lids(*last, points, options, mismatch.sum(), times, progress.part(0.9, 1)))
-        return {std::move(last)};
-    return {};
-}
-
 } // namespace
 
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
@@ -218,12 +56,12 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const ThreadTeam team;
     AmlsReconstruction result;
     PhaseTimes times;
-    Attempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));
+    MeshAttempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));
     const int threads = resolve_threads(options.threads);
     const bool seemed_filled = seems_filled(points, attempt, threads);
-    WallSearch walls;
+    MeshedWalls walls;
     if (seemed_filled && options.noise == 0)
-        walls = look_for_walls(points, options, attempt, times, progress.part(0.7, 0.95));
+        walls = look_for_meshed_walls(points, options, attempt, times, progress.part(0.7, 0.95));
     if (walls.found)
         attempt = std::move(*walls.found);
     const LabelledSamples& found = attempt.found;

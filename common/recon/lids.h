@@ -25,15 +25,18 @@ struct PointsAgainst
 };
 
 /// Whether an attempt with less noise tells that no other will find walls. Either votes object to a scene as open as
-/// foliage whatever its noise: it misses 0.086 of the points and more, or nearly as many as before, where walls are
-/// found in the end 0.031. Or the noise is of the spacing and misses points by itself: half of it leaves 0.69 to 0.72
-/// of those, 0.04 to 0.51 where walls are found in the end.
+/// foliage whatever its noise: it misses 0.086 of the points and more, or nearly as many as before while no more votes
+/// object (1.08 times), where walls are found in the end 0.031, or more votes object to what is seen of them by then
+/// (1.17 times and more). Or the noise is of the spacing and misses points by itself: half of it leaves 0.69 to 0.72 of
+/// those, 0.04 to 0.51 where walls are found in the end.
 inline bool finds_no_walls(const PointsAgainst& before, const PointsAgainst& with_less)
 {
     const bool is_open =
         before.violated > objecting_votes && with_less.violated > clearly_fewer_votes * before.violated;
     const bool are_left = with_less.missed > 0.6 * before.missed;
-    return (is_open && (are_left || with_less.missed > 0.05)) || (before.missed > 0.25 && are_left);
+    const bool objects_as_before = with_less.violated < 1.12 * before.violated;
+    return (is_open && ((are_left && objects_as_before) || with_less.missed > 0.05)) ||
+           (before.missed > 0.25 && are_left);
 }
 
 /// What to tell users of walls that may have holes: lids were opened, or they were found with less noise and too many

@@ -113,6 +113,7 @@ TEST(Lids, LessNoiseIsGivenUpWhereItFindsNoWalls)
     EXPECT_TRUE(finds_no_walls({0.206, 0.030}, {0.086, 0.044}));
     EXPECT_TRUE(finds_no_walls({0.300, 0.0025}, {0.208, 0.0133}));
     EXPECT_TRUE(finds_no_walls({0.0195, 0.0219}, {0.0166, 0.0236}));
+    EXPECT_FALSE(finds_no_walls({0.0192, 0.0489}, {0.0168, 0.0570}));
     EXPECT_FALSE(finds_no_walls({0.235, 0.0423}, {0.024, 0.0592}));
     EXPECT_FALSE(finds_no_walls({0.049, 0.0559}, {0.020, 0.0624}));
     EXPECT_FALSE(finds_no_walls({0.484, 0.0005}, {0.198, 0.0316}));

@@ -1,0 +1,158 @@
+#include "mesh_attempts.h"
+
+#include "smooth_mesh.h"
+#include "surface_data.h"
+
+#include <recon/errors.h>
+#include <recon/lids.h>
+#include <recon/mismatch.h>
+#include <recon/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace recon
+{
+namespace
+{
+
+/// What a mesh is compared with: copies would leave points without a spacing, and the order of the input chance.
+Points list_distinct(const Points& points, const AmlsSurface& surface)
+{
+    return points_at(surface.data().spatial.order, points);
+}
+
+bool has_lids(const MeshAttempt& attempt, const TriangleMesh& crust, int threads)
+{
+    return measure_bare_area(attempt.found.samples, crust, threads) > bare_lid;
+}
+
+Mismatch measure_mismatch(const Points& points, const MeshAttempt& attempt, int threads)
+{
+    return measure_mismatch(attempt.found.frame.to_unit(list_distinct(points, attempt.surface)), crust_of(attempt),
+                            threads);
+}
+
+/// The crust of the attempt's labels, on its surface.
+void make_mesh(MeshAttempt& attempt, const AmlsReconstructionOptions& options, PhaseTimes& times,
+               const Progress& progress)
+{
+    const LabelledSamples& found = attempt.found;
+    times.begin("crust");
+    CrustOptions crust;
+    crust.keep_components = options.keep_components;
+    crust.simplify = options.simplify;
+    crust.target_vertices = int(found.samples.size());
+    crust.interpolated = &found.samples;
+    crust.threads = resolve_threads(options.threads);
+    attempt.mesh = make_crust(found.labelled, crust, progress.part(0, 0.5, "crust"), &attempt.dropped);
+    found.frame.from_unit_in_place(attempt.mesh.vertices);
+    attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
+    if (!found.is_exact)
+    {
+        times.begin("smooth");
+        attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
+                                            progress.part(0.5, 1, "projection of the mesh"));
+    }
+}
+
+/// Opens all lids. \param mismatch of the best attempt so far. \returns whether that is clearly better.
+bool open_lids(MeshAttempt& attempt, const Points& points, const AmlsReconstructionOptions& options, double mismatch,
+               PhaseTimes& times, const Progress& progress)
+{
+    LabelledSamples& found = attempt.found;
+    if (found.labelled.violated_votes <= objecting_votes || found.normals.empty())
+        return false;
+    const int threads = resolve_threads(options.threads);
+    std::optional<LabelledBalls> opened =
+        label_with_open_lids(found.samples, found.normals, found.labelled, options_for_labels(threads), times,
+                             progress.part(0, 0.7, "open lids"));
+    if (!opened)
+        return false;
+    found.labelled = std::move(*opened);
+    attempt.is_opened = true;
+    make_mesh(attempt, options, times, progress.part(0.7, 1));
+    return measure_mismatch(points, attempt, threads).sum() < clearly_better * mismatch;
+}
+
+} // namespace
+
+TriangleMesh crust_of(const MeshAttempt& attempt)
+{
+    return {attempt.found.frame.to_unit(attempt.mesh.vertices), attempt.mesh.triangles, {}};
+}
+
+MeshAttempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise,
+                         const MeshAttempt* earlier, PhaseTimes& times, const Progress& progress)
+{
+    times.begin("surface");
+    AmlsOptions surface_options;
+    surface_options.rho_e = options.rho_e;
+    surface_options.noise = noise;
+    surface_options.threads = options.threads;
+    surface_options.for_crust = true;
+    AmlsSurface surface = build_amls_surface(points, surface_options, progress.part(0, 0.4, "AMLS surface"), {},
+                                             earlier ? &earlier->surface : nullptr);
+    BallLabellingOptions labelling = options_for_labels(resolve_threads(options.threads));
+    // Where samples disputed that they share balls, those of the next attempt would, too.
+    if (earlier && !earlier->found.labelled.is_shared)
+        labelling.sharing = BallSharing::none;
+    LabelledSamples labelled =
+        label_points(points, surface, noise == 0, labelling, times, progress.part(0.4, 0.8, "labels"));
+    MeshAttempt attempt{std::move(surface), std::move(labelled)};
+    make_mesh(attempt, options, times, progress.part(0.8, 1));
+    return attempt;
+}
+
+bool seems_filled(const Points& points, const MeshAttempt& attempt, int threads)
+{
+    const LabelledSamples& found = attempt.found;
+    const double noise = attempt.surface.report().noise / found.frame.scale();
+    if (found.is_exact || noise < least_noise_of_walls * found.labelled.spacing)
+        return false;
+    const TriangleMesh crust = crust_of(attempt);
+    if (!has_lids(attempt, crust, threads))
+        return false;
+    if (found.labelled.violated_votes > objecting_votes)
+        return true;
+    const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
+    return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
+}
+
+MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstructionOptions& options,
+                                  const MeshAttempt& first, PhaseTimes& times, const Progress& progress)
+{
+    const int threads = resolve_threads(options.threads);
+    const double noise = first.surface.report().noise;
+    const Mismatch mismatch = measure_mismatch(points, first, threads);
+    const PointsAgainst before{mismatch.missed_points, first.found.labelled.violated_votes};
+    std::optional<MeshAttempt> last;
+    for (int i = 1; i <= halvings; ++i)
+    {
+        last.reset();
+        try
+        {
+            last = attempt_mesh(points, options, std::ldexp(noise, -i), &first, times,
+                                progress.part(0.9 * (i - 1) / halvings, 0.9 * i / halvings, "less noise"));
+        }
+        catch (const AlgorithmFailure&) // nothing is inside
+        {
+            continue;
+        }
+        const TriangleMesh crust = crust_of(*last);
+        if (!has_lids(*last, crust, threads))
+            return {std::move(last)};
+        const double missed =
+            measure_missed_points(last->found.frame.to_unit(list_distinct(points, last->surface)), crust, threads);
+        if (finds_no_walls(before, {missed, last->found.labelled.violated_votes}))
+            return {{}, true};
+        if (missed > barely_less * before.missed)
+            i = std::max(i, halvings - 1);
+    }
+    if (last && open_lids(*last, points, options, mismatch.sum(), times, progress.part(0.9, 1)))
+        return {std::move(last)};
+    return {};
+}
+
+} // namespace recon

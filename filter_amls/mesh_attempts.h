@@ -1,0 +1,52 @@
+#pragma once
+
+#include "label_points.h"
+#include "reconstruct_amls.h"
+#include "surface.h"
+
+#include <recon/crust.h>
+#include <recon/geometry.h>
+#include <recon/progress.h>
+
+#include <optional>
+#include <vector>
+
+namespace recon
+{
+
+/// A mesh of the points denoised as if they had a given noise.
+struct MeshAttempt
+{
+    AmlsSurface surface;
+    LabelledSamples found;
+    TriangleMesh mesh = {};               ///< In input units.
+    std::vector<char> is_on_surface = {}; ///< Per vertex.
+    DroppedBodies dropped = {};
+    bool is_opened = false; ///< Whether lids were taken off what it had closed.
+};
+
+/// \param noise 0 = estimate. \param earlier attempt, if there was one. \throws AlgorithmFailure if nothing is inside,
+/// or all points are isolated. \throws Cancelled.
+MeshAttempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& options, double noise,
+                         const MeshAttempt* earlier, PhaseTimes& times, const Progress& progress);
+
+/// The mesh in the frame of its samples.
+TriangleMesh crust_of(const MeshAttempt& attempt);
+
+/// Whether bare lids seem to close what walls hold that were taken for noise: votes object, or points lie beside the
+/// surface as no noise does.
+bool seems_filled(const Points& points, const MeshAttempt& attempt, int threads);
+
+struct MeshedWalls
+{
+    std::optional<MeshAttempt> found = {};
+    bool has_none = false; ///< Whether there are none to find.
+};
+
+/// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
+/// is one; else that with an eighth and open lids, if the points object to lids and not to these. \param first attempt,
+/// which seems_filled(). \throws Cancelled.
+MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstructionOptions& options,
+                                  const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
+
+} // namespace recon
