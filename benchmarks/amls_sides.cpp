@@ -1,9 +1,9 @@
 // Sides of thin walls, and of the vertices of coarse models.
-// amls_sides <seed> [model.ply...]
+// amls_sides <seed> [--noise percent,...] [model.ply...]
 // Without models one Markdown row per tube of thin walls: share of samples whose normal is right (filter "Compute
 // normals"), volume over the true one of AMLS's reconstruction and of the power crust. With models one row each, of
-// their vertices as they are: share right and mean angle [degrees] of the AMLS surface's normals and of the filter's,
-// against the mesh's.
+// their vertices as they are, or with four copies under so much noise (of the diagonal): share right and mean angle
+// [degrees] of the AMLS surface's normals and of the filter's, against the mesh's at the vertex.
 #include "models.h"
 
 #include "filter_amls/outward_normals.h"
@@ -17,8 +17,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 using namespace benchmarks;
 using namespace recon;
@@ -28,16 +31,18 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-/// Without those that have no triangles.
-OrientedSamples list_vertices(const Model& model)
+/// As noisy_cloud() makes them, without those whose vertex has no triangles.
+OrientedSamples list_samples(const Model& model, double percent, unsigned seed)
 {
     const Vectors normals = vertex_normals(model.mesh);
+    const Points points = noisy_cloud(model, percent, seed);
+    const std::size_t vertices = normals.size(), copies = points.size() / vertices - 1;
     OrientedSamples result;
-    for (std::size_t v = 0; v < normals.size(); ++v)
-        if (normals[v].norm() > 1e-9)
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (const Vector& normal = normals[i < vertices ? i : (i - vertices) / copies]; normal.norm() > 1e-9)
         {
-            result.points.push_back(model.mesh.vertices[v]);
-            result.normals.push_back(std::copysign(1, model.volume) * normals[v].normalized());
+            result.points.push_back(points[i]);
+            result.normals.push_back(std::copysign(1, model.volume) * normal.normalized());
         }
     return result;
 }
@@ -51,15 +56,16 @@ double mean_angle(const Vectors& found, const Vectors& truth)
     return sum / double(found.size()) * 180 / pi;
 }
 
-void print_model(const std::string& path)
+void print_model(const std::string& path, double percent, unsigned seed)
 {
-    const OrientedSamples vertices = list_vertices(load_model(path));
-    const Vectors of_surface = project_to_amls(vertices.points, build_amls_surface(vertices.points)).normals;
-    const OutwardNormals found = find_outward_normals(vertices.points);
-    std::printf("| %s | %zu | %.4f | %.1f | %.4f | %.1f | %s |\n", std::filesystem::path(path).stem().c_str(),
-                vertices.points.size(), checks::share_facing(of_surface, vertices.normals),
-                mean_angle(of_surface, vertices.normals), checks::share_facing(found.normals, vertices.normals),
-                mean_angle(found.normals, vertices.normals), found.is_exact ? "yes" : "no");
+    const OrientedSamples samples = list_samples(load_model(path), percent, seed);
+    const Vectors of_surface = project_to_amls(samples.points, build_amls_surface(samples.points)).normals;
+    const OutwardNormals found = find_outward_normals(samples.points);
+    std::printf("| %s | %g | %zu | %.5f | %.1f | %.5f | %.1f | %s |\n", std::filesystem::path(path).stem().c_str(),
+                percent, samples.points.size(), checks::share_facing(of_surface, samples.normals),
+                mean_angle(of_surface, samples.normals), checks::share_facing(found.normals, samples.normals),
+                mean_angle(found.normals, samples.normals), found.is_exact ? "yes" : "no");
+    std::fflush(stdout);
 }
 
 /// \param wall, noise [spacings]
@@ -84,26 +90,35 @@ int main(int argc, char** argv)
 {
     if (argc < 2)
     {
-        std::fprintf(stderr, "amls_sides <seed> [model.ply...]\n");
+        std::fprintf(stderr, "amls_sides <seed> [--noise percent,...] [model.ply...]\n");
         return 2;
     }
+    const auto seed = unsigned(std::atoi(argv[1]));
     if (argc == 2)
     {
         std::printf("| wall | noise | normals right | AMLS: volume | power crust: volume |\n|---|---|---|---|---|\n");
         for (const double wall : {1.3, 1.6, 2.0})
             for (const double noise : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3})
-                print_tube(wall, noise, unsigned(std::atoi(argv[1])));
+                print_tube(wall, noise, seed);
         return 0;
     }
-    std::printf("| model | vertices | surface: right | angle | filter: right | angle | exact |\n"
-                "|---|---|---|---|---|---|---|\n");
-    for (int k = 2; k < argc; ++k)
-        try
-        {
-            print_model(argv[k]);
-        }
-        catch (const std::exception& problem)
-        {
-            std::printf("| %s | %s |\n", argv[k], problem.what());
-        }
+    std::vector<std::string> noise = {"0"};
+    int first = 2;
+    if (argc > 3 && std::strcmp(argv[2], "--noise") == 0)
+    {
+        noise = split_at_commas(argv[3]);
+        first = 4;
+    }
+    std::printf("| model | noise %% | points | surface: right | angle | filter: right | angle | exact |\n"
+                "|---|---|---|---|---|---|---|---|\n");
+    for (int k = first; k < argc; ++k)
+        for (const std::string& percent : noise)
+            try
+            {
+                print_model(argv[k], std::atof(percent.c_str()), seed);
+            }
+            catch (const std::exception& problem)
+            {
+                std::printf("| %s | %s |\n", argv[k], problem.what());
+            }
 }
