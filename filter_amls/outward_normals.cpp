@@ -132,7 +132,10 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     {
         const Vector& normal = crust->normals[i];
         if (normal.squaredNorm() > 0 && normal.dot(result.normals[i]) < crust->least_cosine)
+        {
             result.normals[i] = normal;
+            ++result.of_crust;
+        }
     }
     return result;
 }

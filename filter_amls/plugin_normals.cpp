@@ -103,6 +103,7 @@ plugin::FilterResult compute_normals(const plugin::InputLayer& layer, const Ball
     result.changed.normals = std::move(found.normals);
     add_report(found.surface, result);
     result.values.emplace_back("exact", found.is_exact);
+    result.values.emplace_back("normals_of_crust", found.of_crust);
     return result;
 }
 
@@ -178,8 +179,8 @@ plugin::FilterSpec recon::plugin_filters::describe_normals()
     spec.info =
         std::string("Computes <b>outward unit normals</b> of a point cloud that may be <b>noisy</b> and has no "
                     "normals yet. Which side is outside follows from the Delaunay balls of the cloud, not from a "
-                    "viewpoint or from walking over neighbours; where points are free of noise, from a crust through "
-                    "all of them, which knows both sides of thin walls. What one depth camera or laser scanner at the "
+                    "viewpoint or from walking over neighbours; where the cloud is closed a crust of it, which knows "
+                    "both sides of thin walls, corrects them. What one depth camera or laser scanner at the "
                     "origin saw is recognised, and faces it. Points are not moved.<br><br>") +
         citation;
     spec.category = plugin::Category::normal | plugin::Category::point_set;

@@ -48,7 +48,8 @@ OUTLIERS = {"outliers": "points far from any surface"}
 VALUES = {
     "compute_normal_from_delaunay_balls": {
         **SURFACE, **BIG_BALLS,
-        "exact": "the points are free of noise, so that a crust through them had a say",
+        "exact": "the points are free of noise, so that the crust goes through them",
+        "normals_of_crust": "points whose normal is the crust's, as of thin walls and edges",
     },
     "compute_scalar_by_local_feature_size": {
         **SURFACE,
