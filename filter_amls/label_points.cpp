@@ -289,16 +289,6 @@ std::optional<LabelledSamples> label_tubes(const PointsAsTheyAre& as_they_are, d
     }
 }
 
-/// The same where no denoised labels are made.
-std::optional<LabelledSamples> label_doubtful_tubes(const PointsAsTheyAre& as_they_are,
-                                                    const BallLabellingOptions& labelling, PhaseTimes& times,
-                                                    const Progress& progress)
-{
-    if (!as_they_are.cleanness.is_doubtful())
-        return {};
-    return label_tubes(as_they_are, least_violated_denoised, labelling, times, progress);
-}
-
 /// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and
 /// that of the surface's samples does less: then these.
 LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& points, const AmlsSurface& surface,
@@ -358,27 +348,15 @@ LabelledSamples label_points(const Points& points, const AmlsSurface& surface, b
                               });
 }
 
-std::optional<LabelledSamples> label_only_exact_points(const Points& points, const AmlsSurface& surface,
-                                                       const BallLabellingOptions& labelling, PhaseTimes& times,
-                                                       const Progress& progress)
-{
-    times.begin("gate");
-    const PointsAsTheyAre as_they_are(points, surface, labelling.threads);
-    std::optional<LabelledSamples> exact =
-        label_exact_points(as_they_are, points, surface, labelling, times, progress.part(0, 0.5));
-    if (exact)
-        exact = label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
-    else
-        exact = label_doubtful_tubes(as_they_are, labelling, times, progress.part(0.5, 1));
-    return exact && exact->is_exact ? std::move(exact) : std::nullopt;
-}
-
 std::optional<LabelledSamples> label_only_tubes(const Points& points, const AmlsSurface& surface,
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                 const Progress& progress)
 {
     times.begin("gate");
-    return label_doubtful_tubes(PointsAsTheyAre(points, surface, labelling.threads), labelling, times, progress);
+    const PointsAsTheyAre as_they_are(points, surface, labelling.threads);
+    if (!as_they_are.cleanness.is_doubtful())
+        return {};
+    return label_tubes(as_they_are, least_violated_denoised, labelling, times, progress);
 }
 
 } // namespace recon

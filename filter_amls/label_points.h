@@ -38,12 +38,7 @@ BallLabellingOptions options_for_labels(int threads);
 LabelledSamples label_points(const Points& points, const AmlsSurface& surface, bool may_be_exact,
                              const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress);
 
-/// The same, but none where that would be samples of the surface. \throws Cancelled.
-std::optional<LabelledSamples> label_only_exact_points(const Points& points, const AmlsSurface& surface,
-                                                       const BallLabellingOptions& labelling, PhaseTimes& times,
-                                                       const Progress& progress);
-
-/// The same, but none unless the points are thin tubes', see thin_tubes.h.
+/// The points as they are if they are thin tubes', see thin_tubes.h; none else. \throws Cancelled.
 std::optional<LabelledSamples> label_only_tubes(const Points& points, const AmlsSurface& surface,
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                 const Progress& progress);

@@ -46,14 +46,14 @@ double find_least_cosine(const LabelledSamples& found, double noise)
 
 /// Of a closed cloud; none of an open one, whose crust has lids, for which its sides are chosen, unless it is one of
 /// lost tubes, which look open.
-std::optional<LabelledSamples> label(const Points& points, const AmlsSurface& surface, bool may_be_exact, int threads,
+std::optional<LabelledSamples> label(const Points& points, const AmlsSurface& surface, bool is_noise_given, int threads,
                                      const Progress& progress)
 {
     PhaseTimes times;
     const BallLabellingOptions options = options_for_labels(threads);
     if (!surface.report().open)
-        return label_points(points, surface, may_be_exact, options, times, progress);
-    return may_be_exact ? label_only_tubes(points, surface, options, times, progress) : std::nullopt;
+        return label_points(points, surface, !is_noise_given, options, times, progress);
+    return is_noise_given ? std::nullopt : label_only_tubes(points, surface, options, times, progress);
 }
 
 CrustNormals list_crust_normals(const LabelledSamples& found, int threads, const Progress& progress)
@@ -82,18 +82,18 @@ void look_for_walls(const Points& points, const AmlsSurface& surface, LabelledSa
 }
 
 /// None if it is not to be trusted.
-std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsSurface& surface, bool may_be_exact,
+std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsSurface& surface, bool is_noise_given,
                                                int threads, const Progress& progress)
 {
     std::optional<LabelledSamples> found;
     CrustNormals crust;
     try
     {
-        found = label(points, surface, may_be_exact, threads, progress.part(0, 0.4));
+        found = label(points, surface, is_noise_given, threads, progress.part(0, 0.4));
         if (!found)
             return {};
         crust = list_crust_normals(*found, threads, progress.part(0.4, 0.5, "crust"));
-        if (may_be_exact)
+        if (!is_noise_given)
             look_for_walls(points, surface, *found, crust, threads, progress.part(0.5, 1));
     }
     catch (const AlgorithmFailure&) // nothing is inside
@@ -123,8 +123,8 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     result.normals = project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection")).normals;
     if (result.surface.seen_from)
         return result;
-    const auto crust = find_trusted_crust(points, surface, options.noise == 0, resolve_threads(options.threads),
-                                          progress.part(0.6, 1));
+    const auto crust =
+        find_trusted_crust(points, surface, options.noise > 0, resolve_threads(options.threads), progress.part(0.6, 1));
     if (!crust)
         return result;
     result.is_exact = crust->is_exact;

@@ -58,14 +58,14 @@ TEST(CrustOfPoints, LabelsOfExactPointsAreThoseThatItWasMadeOf)
     const AmlsSurface surface = build_amls_surface(tube);
     ASSERT_TRUE(surface.data().crust->made());
     PhaseTimes times;
-    const auto label = [&] { return label_only_exact_points(tube, surface, options_for_labels(1), times, {}); };
-    const auto found = label();
+    const auto label = [&] { return label_points(tube, surface, true, options_for_labels(1), times, {}); };
+    const LabelledSamples found = label();
     *surface.data().crust = {};
-    const auto anew = label();
-    ASSERT_TRUE(found && anew);
-    EXPECT_EQ(found->labelled.labels, anew->labelled.labels);
-    EXPECT_EQ(found->labelled.violated_votes, anew->labelled.violated_votes);
-    EXPECT_EQ(found->samples, anew->samples);
+    const LabelledSamples anew = label();
+    ASSERT_TRUE(found.is_exact && anew.is_exact);
+    EXPECT_EQ(found.labelled.labels, anew.labelled.labels);
+    EXPECT_EQ(found.labelled.violated_votes, anew.labelled.violated_votes);
+    EXPECT_EQ(found.samples, anew.samples);
 }
 
 TEST(CrustOfPoints, IsNotAskedForTheSidesOfNoiseOfSpacings)
