@@ -51,6 +51,17 @@ TEST(OutwardNormals, ThinWallsOfNoisyPointsFaceOutwardOnBothSides)
     }
 }
 
+// Walls of 1.6 spacings read as noise, and the cloud as a solid: .58 were right.
+TEST(OutwardNormals, WallsThatReadAsNoiseAreSoughtWithLessOfIt)
+{
+    constexpr int samples = 3000;
+    constexpr double radius = 1, half_length = 1.5;
+    const double spacing = std::sqrt(8 * 3.1416 * radius * half_length / samples);
+    const OrientedSamples tube = shapes::tube(samples, radius, 1.6 * spacing, half_length, 719);
+    const OutwardNormals found = find_outward_normals(shapes::with_noise(tube.points, 0.3 * spacing, 720));
+    EXPECT_GT(checks::share_facing(found.normals, tube.normals), 0.95);
+}
+
 // As the vertices of a coarse model: the surface's cells mix both sides at the rim.
 TEST(OutwardNormals, AreThoseOfTheCrustWhereExactPointsAreCoarse)
 {
