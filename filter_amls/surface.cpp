@@ -354,6 +354,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     AmlsSurfaceReport& report = data->report;
     report.noise = frame.scale() * noise.median_sigma();
     report.least_noise = noise.least_noise();
+    report.most_noise = frame.scale() * noise.most_sigma();
     report.spacing = frame.scale() * noise.median_spacing();
     report.width = frame.scale() * median_width(anchors.starts);
     report.rho_e = anchors.median_rho_e;

@@ -30,6 +30,7 @@ struct AmlsSurfaceReport
 {
     double noise = 0;       ///< Median standard deviation of the noise, estimated or given [length].
     double least_noise = 0; ///< Noise that nine of ten places exceed [spacings].
+    double most_noise = 0;  ///< Noise that one of fifty places exceeds [length].
     double spacing = 0;     ///< Median distance of neighbouring points [length].
     double width = 0;       ///< Median width h of the weights exp(-d^2 / h^2) [length].
     double rho_e =

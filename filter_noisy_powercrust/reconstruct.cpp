@@ -37,8 +37,21 @@ void check(const NoisyPowerCrustOptions& options)
         throw InvalidInput("deep_intersection must lie between 0 (weighed in samples) and 1.");
 }
 
+/// Share of the points that the crust misses, in the frame of its samples and closed; 0 where votes say that there are
+/// next to none.
+double measure_missed(const TriangleMesh& mesh, const LabelledCloud& found, int threads, const Progress& progress)
+{
+    if (found.labelled.violated_votes <= suspicious_votes)
+        return 0;
+    const PreparedSamples& cloud = found.cloud;
+    if (!cloud.denoised)
+        return measure_missed_points(cloud.samples, mesh, threads, progress);
+    return measure_missed_points(points_at(cloud.claimed, cloud.distinct), mesh, threads, progress,
+                                 cloud.surface->report().most_noise / cloud.frame.scale());
+}
+
 void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledCloud& found, Denoise denoise,
-          std::size_t points)
+          std::size_t points, double missed)
 {
     if (found.lost_walls)
         result.warnings.push_back(std::string(lost_walls_text) +
@@ -51,6 +64,8 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
     if (const std::string text = describe(dropped); !text.empty())
         result.warnings.push_back(text);
     if (const std::string text = describe_violation(result.violated_votes); !text.empty())
+        result.warnings.push_back(text);
+    if (const std::string text = describe_missed(missed); !text.empty() && result.warnings.empty())
         result.warnings.push_back(text);
 }
 
@@ -189,14 +204,15 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     report_labels(found, options, result);
     const DroppedBodies dropped = make_surface(found, options, result, times, progress.part(0.75, 0.95));
     times.begin("finish");
-    open_surface(result.mesh, found, points, options, progress.part(0.95, 0.97));
+    const double missed = measure_missed(result.mesh, found, labelling.threads, progress.part(0.95, 0.96, "points"));
+    open_surface(result.mesh, found, points, options, progress.part(0.96, 0.97));
     const NearestSamples nearest = find_nearest_samples(result.mesh.vertices, found.cloud.distinct, labelling.threads,
                                                         progress.part(0.97, 1, "nearest points"));
     for (const int sample : nearest.sample)
         result.nearest_sample.push_back(found.cloud.order[sample]);
     report_topology(options, result);
     found.cloud.frame.from_unit_in_place(result.mesh.vertices);
-    warn(result, dropped, found, options.denoise, points.size());
+    warn(result, dropped, found, options.denoise, points.size(), missed);
     times.end();
     result.seconds = times.seconds();
     return result;

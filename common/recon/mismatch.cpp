@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -170,6 +171,17 @@ NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh,
     NoiseMisfit result = measure_places(asked, squared, threads, progress.part(0.6, 1, "sheets"));
     result.beyond_noise = double(beyond) / double(asked.size());
     return result;
+}
+
+std::string describe_missed(double missed_points)
+{
+    if (missed_points <= missed_without_a_word)
+        return {};
+    char share[16];
+    std::snprintf(share, sizeof share, "%.1f", 100 * missed_points);
+    return std::string(share) +
+           " % of the points lie farther from the surface than their spacing and noise explain: there thin parts are "
+           "lost or filled. Look at them, and scan such parts more densely.";
 }
 
 Mismatch measure_mismatch(const Points& points, const TriangleMesh& mesh, int threads, const Progress& progress)

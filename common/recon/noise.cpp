@@ -74,6 +74,13 @@ double NoiseEstimate::median_sigma() const
 {
     return median(sigma());
 }
+double NoiseEstimate::most_sigma() const
+{
+    std::vector<double> values = sigma();
+    const auto most = values.begin() + std::ptrdiff_t(values.size() * 49 / 50);
+    std::nth_element(values.begin(), most, values.end());
+    return *most;
+}
 double NoiseEstimate::median_spacing() const
 {
     return 1 / std::sqrt(median(density()));

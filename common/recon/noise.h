@@ -36,6 +36,7 @@ public:
     /// Edge of the square that holds one point: 1 / sqrt(density) [length].
     double spacing_at(const Point& query) const;
     double median_sigma() const;   ///< Over the seeds [length].
+    double most_sigma() const;     ///< That one seed in fifty exceeds [length].
     double median_spacing() const; ///< Over the seeds [length].
     /// Noise that nine of ten seeds exceed [spacings of the place]: corners and thin walls read as noise, but seldom
     /// everywhere.

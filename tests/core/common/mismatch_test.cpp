@@ -135,6 +135,13 @@ TEST(MeasureNoiseMisfit, TellsMixedSheetsFromNoiseOfBoundedReach)
     EXPECT_TRUE(is_noise(0.8226, 0.0455, 400));
 }
 
+TEST(MeasureMismatch, IsToldOnlyWherePartsAreLost)
+{
+    EXPECT_EQ(describe_missed(0), "");
+    EXPECT_EQ(describe_missed(missed_without_a_word), "");
+    EXPECT_EQ(describe_missed(0.1022).substr(0, 6), "10.2 %");
+}
+
 TEST(MeasureMismatch, StandsHostileInput)
 {
     const Points points = shapes::sphere(100, 0.5, 1).points;

@@ -89,6 +89,7 @@ TEST(EstimateNoise, FollowsNoiseThatVaries)
     const NoiseEstimate estimate = estimate_noise(points);
     EXPECT_NEAR(estimate.sigma_at(Point(-1, 0, 0)), 0.005, 0.001);
     EXPECT_NEAR(estimate.sigma_at(Point(1, 0, 0)), 0.02, 0.004);
+    EXPECT_NEAR(estimate.most_sigma(), 0.02, 0.004);
 }
 
 TEST(EstimateNoise, SeesANoisyPatch)
