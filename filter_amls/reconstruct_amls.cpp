@@ -33,18 +33,6 @@ void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, const Poi
     is_on_surface = std::move(left);
 }
 
-/// Share of the points that the mesh misses; 0 where votes say that there are next to none.
-double measure_missed(const Points& points, const MeshAttempt& attempt, int threads)
-{
-    const LabelledSamples& found = attempt.found;
-    if (found.labelled.violated_votes <= suspicious_votes)
-        return 0;
-    if (found.is_exact)
-        return measure_missed_points(found.samples, crust_of(attempt), threads);
-    return measure_missed_points(found.frame.to_unit(points_at(found.claimed, points)), crust_of(attempt), threads, {},
-                                 attempt.surface.report().most_noise / found.frame.scale());
-}
-
 /// Over holes of the scan; vertices that move are on the surface no more.
 void draw_closings_taut(MeshAttempt& attempt, int threads)
 {
@@ -94,9 +82,6 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
         result.warnings.push_back(
             std::string(lost_walls_text) +
             " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
-    if (const std::string text = describe_missed(measure_missed(points, attempt, threads));
-        !text.empty() && result.warnings.empty())
-        result.warnings.push_back(text);
     times.begin("closing");
     draw_closings_taut(attempt, threads);
     check_encloses_volume(crust_of(attempt));

@@ -38,12 +38,12 @@ void check(const NoisyPowerCrustOptions& options)
 }
 
 /// Share of the points that the crust misses, in the frame of its samples and closed; 0 where votes say that there are
-/// next to none.
+/// next to none, or the points are noisy and were to stay so: how far from the crust they lie then tells nothing.
 double measure_missed(const TriangleMesh& mesh, const LabelledCloud& found, int threads, const Progress& progress)
 {
-    if (found.labelled.violated_votes <= suspicious_votes)
-        return 0;
     const PreparedSamples& cloud = found.cloud;
+    if (found.labelled.violated_votes <= suspicious_votes || (cloud.is_noisy && !cloud.denoised))
+        return 0;
     if (!cloud.denoised)
         return measure_missed_points(cloud.samples, mesh, threads, progress);
     return measure_missed_points(points_at(cloud.claimed, cloud.distinct), mesh, threads, progress,
