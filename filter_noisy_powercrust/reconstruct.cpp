@@ -65,7 +65,8 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
         result.warnings.push_back(text);
     if (const std::string text = describe_violation(result.violated_votes); !text.empty())
         result.warnings.push_back(text);
-    if (const std::string text = describe_missed(missed); !text.empty() && result.warnings.empty())
+    // Those of bodies that were left out are known.
+    if (const std::string text = describe_missed(missed - dropped.samples); !text.empty() && result.warnings.empty())
         result.warnings.push_back(text);
 }
 
