@@ -1,14 +1,15 @@
 #include "outward_normals.h"
 
 #include "crust_normals.h"
+#include "face_camera.h"
 #include "label_points.h"
 #include "mesh_attempts.h"
 #include "project.h"
 
 #include <recon/block_search.h>
-#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/parallel.h>
+#include <recon/viewpoint.h>
 
 #include <algorithm>
 #include <cmath>
@@ -141,20 +142,13 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
 }
 
 /// A room is closed around its scanner, and its walls face that, as all that anything sees does.
-void face_scanner_within(const Points& points, OutwardNormals& found)
+void face_scanner_within(const Points& points, OutwardNormals& found, int threads)
 {
     if (found.surface.open)
         return;
-    const std::optional<DepthCamera> scanner = find_depth_camera(points);
-    if (!scanner)
-        return;
-    found.surface.seen_from = scanner->place;
-    std::ptrdiff_t balance = 0;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        balance += found.normals[i].dot(scanner->place - points[i]) > 0 ? 1 : -1;
-    if (balance < 0)
-        for (Vector& normal : found.normals)
-            normal = -normal;
+    found.surface.seen_from = find_viewpoint(points);
+    if (found.surface.seen_from)
+        face_camera(*found.surface.seen_from, points, found.normals, threads);
 }
 
 } // namespace
@@ -163,7 +157,7 @@ OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& opt
 {
     const ThreadTeam team;
     OutwardNormals found = find_normals(points, options, progress);
-    face_scanner_within(points, found);
+    face_scanner_within(points, found, resolve_threads(options.threads));
     return found;
 }
 

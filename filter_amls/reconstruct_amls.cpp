@@ -4,7 +4,6 @@
 
 #include <recon/back_sheets.h>
 #include <recon/crust_mesh.h>
-#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
@@ -12,6 +11,7 @@
 #include <recon/parallel.h>
 #include <recon/taut_closing.h>
 #include <recon/trim.h>
+#include <recon/viewpoint.h>
 
 #include <algorithm>
 #include <utility>
@@ -28,7 +28,7 @@ void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, const Poi
     Points samples = found.samples;
     found.frame.from_unit_in_place(samples);
     std::vector<char> left;
-    for (const int former : open_holes(mesh, samples, found.backs, threads, progress, find_depth_camera(points)))
+    for (const int former : open_holes(mesh, samples, found.backs, threads, progress, find_viewpoint(points)))
         left.push_back(is_on_surface[former]);
     is_on_surface = std::move(left);
 }

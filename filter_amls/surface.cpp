@@ -19,9 +19,11 @@
 #include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
+#include <recon/viewpoint.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace recon
 {
@@ -133,10 +135,11 @@ bool faces_down(const Points& points, const Orientation& orientation, const std:
     return !open.empty() && is_upside_down(open, normals_of_open);
 }
 
-/// Sides of the landmarks, from which all cells take theirs, or from given normals. \param points those of `data`, as
-/// given.
-Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorChoice& choice,
-                   const Vectors& given_normals, int threads, const Progress& progress)
+/// Sides of the landmarks, from which all cells take theirs, or from given normals. \param viewpoint finds that of an
+/// open sheet.
+Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
+                   const std::function<std::optional<Point>()>& viewpoint, const Vectors& given_normals, int threads,
+                   const Progress& progress)
 {
     CellNormals& normals = data.cell_normals;
     Points landmarks;
@@ -151,11 +154,9 @@ Orientation orient(AmlsSurface::Data& data, const Points& points, const AnchorCh
     std::optional<Point>& seen_from = data.report.seen_from;
     if (orientation.open)
     {
-        if (const std::optional<DepthCamera> camera = find_depth_camera(points))
-        {
-            seen_from = camera->place;
+        seen_from = viewpoint();
+        if (seen_from)
             face_camera(data.frame.to_unit(*seen_from), landmarks, orientation.normals, threads);
-        }
         else if (faces_down(landmarks, orientation, choice.landmark_spacing))
             turn_over(orientation.normals, orientation.is_closed);
     }
@@ -323,7 +324,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("orientation");
-    const Orientation orientation = orient(*data, sorted, choice, given_normals, threads, progress.part(0.35, 0.85));
+    const auto viewpoint = [&] { return options.viewpoint ? options.viewpoint : find_viewpoint(points, sorted); };
+    const Orientation orientation = orient(*data, choice, viewpoint, given_normals, threads, progress.part(0.35, 0.85));
 
     times.begin("fit");
     progress.part(0.85, 0.95, "Fit").report(0);

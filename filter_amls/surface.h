@@ -22,6 +22,8 @@ struct AmlsOptions
     /// way, see find_ground(). Residuals are told from the projection that samples take, without `sharp`; it is at hand
     /// afterwards, as the sharp one is else.
     bool for_crust = false;
+    /// That open sheets face [input units], where the caller knows one. Else it is sought, see viewpoint.h.
+    std::optional<Point> viewpoint = {};
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 

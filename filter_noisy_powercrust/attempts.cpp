@@ -74,7 +74,7 @@ Judged Attempts::judge(LabelledCloud attempt)
 const AmlsSurface& Attempts::find_clean_surface(const PreparedSamples& cloud, const Progress& progress)
 {
     times.begin("AMLS");
-    return latest_.find(points_at(cloud.order, points), options, progress);
+    return latest_.find(points, points_at(cloud.order, points), options, progress);
 }
 
 Vectors Attempts::list_clean_normals(const PreparedSamples& cloud, const Progress& progress)

@@ -8,6 +8,7 @@
 #include <recon/depth_image.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
+#include <recon/viewpoint.h>
 
 #include <algorithm>
 #include <utility>
@@ -30,15 +31,18 @@ void PreparedSamples::leave_out(const std::vector<int>& ones, const Points& poin
     choose_frame(points_at(order, points), points);
 }
 
-const AmlsSurface& LatestSurface::find(const Points& sorted, const SamplePreparationOptions& options,
-                                       const Progress& progress)
+const AmlsSurface& LatestSurface::find(const Points& points, const Points& sorted,
+                                       const SamplePreparationOptions& options, const Progress& progress)
 {
+    if (!surface_)
+        viewpoint_ = find_scan_origin(points);
     if (!surface_ || noise_ != options.noise || !surface_->data().was_made_of(sorted))
     {
         AmlsOptions made;
         made.noise = options.noise;
         made.threads = options.threads;
         made.for_crust = true;
+        made.viewpoint = viewpoint_;
         surface_ = build_amls_surface(sorted, made, progress, {}, surface_ ? &*surface_ : nullptr);
         noise_ = options.noise;
     }
@@ -96,7 +100,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     if (result.denoised || (options.needs_surface && result.is_noisy))
     {
         times.begin("AMLS");
-        result.surface = latest.find(sorted, options, progress.part(0.1, 0.7, "AMLS surface"));
+        result.surface = latest.find(points, sorted, options, progress.part(0.1, 0.7, "AMLS surface"));
         result.noise = result.surface->report().noise;
     }
     if (result.denoised)

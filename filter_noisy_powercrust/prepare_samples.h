@@ -33,12 +33,15 @@ struct SamplePreparationOptions
 class LatestSurface
 {
 public:
-    /// \param sorted distinct points in spatial order. \throws as build_amls_surface() does.
-    const AmlsSurface& find(const Points& sorted, const SamplePreparationOptions& options, const Progress& progress);
+    /// \param points the input, whose order can tell from where it was seen. \param sorted those that are distinct, in
+    /// spatial order. \throws as build_amls_surface() does.
+    const AmlsSurface& find(const Points& points, const Points& sorted, const SamplePreparationOptions& options,
+                            const Progress& progress);
 
 private:
     std::optional<AmlsSurface> surface_;
-    double noise_ = 0; ///< That it was told.
+    double noise_ = 0;               ///< That it was told.
+    std::optional<Point> viewpoint_; ///< The same, sought when the first was made.
 };
 
 /// A cloud made ready for label_polar_balls().

@@ -5,7 +5,6 @@
 #include "sharp_edges.h"
 
 #include <recon/crust_mesh.h>
-#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
 #include <recon/lids.h>
@@ -14,6 +13,7 @@
 #include <recon/parallel.h>
 #include <recon/taut_closing.h>
 #include <recon/trim.h>
+#include <recon/viewpoint.h>
 
 #include <algorithm>
 #include <cmath>
@@ -166,15 +166,15 @@ void open_surface(TriangleMesh& mesh, const LabelledCloud& found, const Points& 
     if (!(options.trim_length > 0) && !options.open_holes)
         return;
     const PreparedSamples& cloud = found.cloud;
-    std::optional<DepthCamera> camera = find_depth_camera(points);
-    if (camera)
-        camera = camera->in(cloud.frame);
+    std::optional<Point> viewpoint = find_viewpoint(points);
+    if (viewpoint)
+        viewpoint = cloud.frame.to_unit(*viewpoint);
     const int threads = resolve_threads(options.threads);
     if (options.trim_length > 0)
         trim_by_length(mesh, cloud.distinct, options.trim_length / cloud.frame.scale(), threads,
-                       progress.part(0, 1, "trimming"), camera);
+                       progress.part(0, 1, "trimming"), viewpoint);
     else
-        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"), camera);
+        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"), viewpoint);
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");

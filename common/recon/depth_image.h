@@ -30,7 +30,7 @@ struct DepthCamera
 /// whatever their depths. Grids of a plane or a terrain do not count: they are even by themselves, or reach over depths
 /// that differ by less than a quarter. Or the scanner if they lie on a grid of angles about an axis through the origin,
 /// and some that are neighbours there far from each other; bodies in polar coordinates have no such gaps. A cloud that
-/// was moved, thinned or merged looks like any other. \pre finite.
+/// was moved, thinned or merged looks like any other, unless its order tells (viewpoint.h). \pre finite.
 std::optional<DepthCamera> find_depth_camera(const Points& points);
 
 /// The same if its depths come in steps of half a pixel and more, in each of which many points lie side by side: steps

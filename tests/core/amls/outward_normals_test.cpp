@@ -262,9 +262,16 @@ TEST(OutwardNormals, OfALaserScanFaceItsScanner)
     for (const bool in_room : {false, true})
         for (const double noise : {0.0, 0.01})
         {
-            const OrientedSamples scan = shapes::laser_scan(360, noise, in_room, 4);
+            OrientedSamples scan = shapes::laser_scan(360, noise, in_room, 4);
             const OutwardNormals found = find_outward_normals(scan.points);
             EXPECT_EQ(found.surface.seen_from, std::optional(Point(0, 0, 0))) << in_room << " " << noise;
             EXPECT_GT(checks::share_facing(found.normals, scan.normals), 0.98) << in_room << " " << noise;
+
+            for (Point& p : scan.points)
+                p += Vector(3, 2, 1);
+            const OutwardNormals moved = find_outward_normals(scan.points);
+            ASSERT_TRUE(moved.surface.seen_from) << in_room << " " << noise;
+            EXPECT_LT((*moved.surface.seen_from - Point(3, 2, 1)).norm(), 0.03) << in_room << " " << noise;
+            EXPECT_GT(checks::share_facing(moved.normals, scan.normals), 0.98) << in_room << " " << noise;
         }
 }

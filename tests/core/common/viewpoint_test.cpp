@@ -1,0 +1,125 @@
+#include <recon/spatial_order.h>
+#include <recon/viewpoint.h>
+
+#include "tests/scans.h"
+#include "tests/shapes.h"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+using namespace recon;
+
+namespace
+{
+
+struct Pose
+{
+    Eigen::Quaterniond turn;
+    Vector shift;
+};
+
+const std::vector<Pose> poses = {
+    {Eigen::Quaterniond::Identity(), Vector(0, 0, 0)},
+    {Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Vector(1, -2, 3).normalized())), Vector(3, -2, 7)},
+    {Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Vector(0, 1, 0.2).normalized())), Vector(5e5, 4.5e6, 200)},
+};
+
+Points put(const Points& points, const Pose& pose)
+{
+    Points result;
+    for (const Point& p : points)
+        result.push_back(pose.turn * p + pose.shift);
+    return result;
+}
+
+/// What was seen row by row, column by column. \param rays of a row, none of which saw nothing.
+Points by_columns(const Points& points, std::size_t columns)
+{
+    Points result;
+    for (std::size_t j = 0; j < columns; ++j)
+        for (std::size_t i = j; i < points.size(); i += columns)
+            result.push_back(points[i]);
+    return result;
+}
+
+} // namespace
+
+TEST(ScanOrigin, IsFoundWhereverItIs)
+{
+    constexpr std::size_t columns = 240, around = 360;
+    std::vector<Points> scans;
+    for (const double step : {1e-6, 0.003})
+    {
+        scans.push_back(shapes::depth_frame(columns, step, 3).points);
+        scans.push_back(by_columns(scans.back(), columns));
+    }
+    for (const double noise : {0.0, 0.01})
+    {
+        scans.push_back(shapes::laser_scan(around, noise, true, 3).points);
+        scans.push_back(by_columns(scans.back(), around));
+        scans.push_back(shapes::laser_scan(around, noise, false, 3).points); // some rays saw nothing
+    }
+    for (std::size_t k = 0; k < scans.size(); ++k)
+        for (const Pose& pose : poses)
+            for (const bool is_reversed : {false, true})
+            {
+                Points points = put(scans[k], pose);
+                points.insert(points.begin() + 1'000, 3, points[999]); // copies
+                if (is_reversed)
+                    std::reverse(points.begin(), points.end());
+                const auto found = find_scan_origin(points);
+                ASSERT_TRUE(found) << k << " " << pose.shift.transpose() << " " << is_reversed;
+                EXPECT_LT((*found - pose.shift).norm(), 0.03) << k << " " << is_reversed;
+            }
+}
+
+TEST(ScanOrigin, IsNoneOfOtherClouds)
+{
+    const Points frame = shapes::depth_frame(240, 0.003, 3).points;
+    std::vector<Points> clouds{{}, {{0, 0, 0}}, Points(200, Point(1, 2, 3)), shapes::sphere(5'000, 1, 3).points};
+    clouds.push_back(points_at(order_spatially(frame).order, frame));
+    clouds.push_back(frame); // two frames
+    for (const Point& p : put(frame, poses[1]))
+        clouds.back().push_back(p);
+    clouds.emplace_back(); // noise across the rays
+    for (const Point& p : shapes::with_noise(frame, 0.01, 5))
+        clouds.back().push_back(p);
+    clouds.emplace_back(); // a terrain with houses, from above
+    for (int i = -60; i <= 60; ++i)
+        for (int j = -60; j <= 60; ++j)
+            clouds.back().emplace_back(i, j, i % 20 > 10 && j % 20 > 10 ? 30 : 0);
+    // Bodies, meridian by meridian and circle by circle: a cube, a bumpy planet, half a sphere from pole to rim.
+    for (const bool by_meridians : {false, true})
+        for (int body = 0; body < 3; ++body)
+        {
+            clouds.emplace_back();
+            for (int a = 0; a < 100 * 180; ++a)
+            {
+                const double over = body == 2 ? 0.0157 * (by_meridians ? a % 100 : a / 180)
+                                              : 0.03 * (by_meridians ? a % 100 : a / 180) - 1.5,
+                             about = (by_meridians ? a / 100 : a % 180) * 3.14159265358979 / 90;
+                const Vector ray(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about), std::sin(over));
+                const double range = body == 0   ? 1 / ray.cwiseAbs().maxCoeff()
+                                     : body == 1 ? 1 + 0.3 * std::sin(7 * about) * std::cos(5 * over)
+                                                 : 1;
+                clouds.back().push_back(range * ray);
+            }
+        }
+    for (std::size_t k = 0; k < clouds.size(); ++k)
+        EXPECT_FALSE(find_scan_origin(clouds[k])) << k;
+}
+
+TEST(FindViewpoint, FindsPixelsInAnyOrderAndOthersByTheirs)
+{
+    const Points frame = shapes::depth_frame(240, 0.003, 3).points, moved = put(frame, poses[1]);
+    const auto in_order = [](const Points& points) { return points_at(order_spatially(points).order, points); };
+    EXPECT_EQ(find_viewpoint(in_order(frame)), std::optional(Point(0, 0, 0)));
+    const auto found = find_viewpoint(moved, in_order(moved));
+    ASSERT_TRUE(found);
+    EXPECT_LT((*found - poses[1].shift).norm(), 0.03);
+    EXPECT_FALSE(find_viewpoint(in_order(moved)));
+}
