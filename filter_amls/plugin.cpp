@@ -1,5 +1,7 @@
 #include "plugin_filters.h"
 
+#include <sstream>
+
 void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::FilterResult& result)
 {
     result.values.emplace_back("noise", report.noise);
@@ -11,7 +13,12 @@ void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::
     result.values.emplace_back("open", report.open);
     plugin::append_seconds(result, report.seconds);
     if (report.seen_from)
-        result.log.push_back("The points are what one camera or scanner saw from the origin: normals face it.");
+    {
+        std::ostringstream place;
+        place << report.seen_from->x() << ", " << report.seen_from->y() << ", " << report.seen_from->z();
+        result.log.push_back("The points are what one camera or scanner saw from (" + place.str() +
+                             "): normals face it.");
+    }
     else if (report.open)
         result.log.push_back(
             "The points are an open sheet without inside and outside: normals are consistent across it, "
