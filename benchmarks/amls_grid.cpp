@@ -282,9 +282,9 @@ int main(int argc, char** argv)
     if (options.normals_only)
         std::printf("model                 sigma%% seed  points  oriented  nearest   cpu\n");
     else
-        std::printf("model                 sigma%% seed  points  rms1e-6   max1e-3  input   oriented  nearest  noise%% "
-                    " rho_e  width%%  "
-                    "outl  fell  noconv  iter  neigh  worse  (vertices)   cpu   x Delaunay\n");
+        std::printf(
+            "model                 sigma%% seed  points  rms1e-6   max1e-3  input   oriented  nearest  noise%%  "
+            "rho_e  width%%  outl  fell  noconv  iter  neigh  worse  (vertices)   cpu   x Delaunay\n");
     for (const std::string& name : options.names)
     {
         const Truth truth(options.folder + "/" + name + ".ply");

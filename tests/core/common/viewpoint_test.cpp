@@ -109,6 +109,17 @@ TEST(ScanOrigin, IsNoneOfOtherClouds)
                 clouds.back().push_back(range * ray);
             }
         }
+    clouds.emplace_back(); // an empty room, column by column, whose ends meet far above it
+    for (int j = 0; j < 360; ++j)
+        for (int i = -60; i < 60; ++i)
+        {
+            const double over = i * 3.14159265358979 / 180, about = j * 3.14159265358979 / 180;
+            const Vector ray(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about), std::sin(over));
+            double range = 1e300;
+            for (int axis = 0; axis < 3; ++axis)
+                range = std::min(range, (ray[axis] < 0 ? Point(-3, -2.5, -1.5) : Point(2.5, 3, 1.3))[axis] / ray[axis]);
+            clouds.back().push_back(range * ray);
+        }
     for (std::size_t k = 0; k < clouds.size(); ++k)
         EXPECT_FALSE(find_scan_origin(clouds[k])) << k;
 }
