@@ -27,7 +27,6 @@ constexpr int neighbours = 6; // of the nearest
 constexpr double long_step = 3;
 constexpr std::size_t block = 32;
 constexpr std::size_t fewest_points = 100; // that have a surface of their own
-constexpr double most_isolated = 0.3;      // of the points: else they are no surface
 constexpr double few_isolated = 0.001;     // of the points: they will have no strays among the others
 constexpr double pi = 3.14159265358979323846;
 constexpr int stray_neighbours = 20, worst_neighbours = 3; // other strays among these
@@ -99,7 +98,7 @@ bool is_stray(const Points& points, const BlockSearch& search, std::size_t i)
 std::vector<int> with_strays(std::vector<int> isolated, const Points& points, int threads)
 {
     const double share = double(isolated.size()) / double(points.size());
-    if (share > most_isolated)
+    if (share > most_outliers)
         return {};
     if (share < few_isolated)
         return isolated;
@@ -133,7 +132,7 @@ std::vector<int> find_isolated_points(const Points& points, int threads, const P
     if (!may_have_isolated_points(points, search))
         return {};
     PhaseTimes times;
-    const SurfaceCells made = make_cells_twice(points, search, 0, {}, threads, times, progress);
+    const SurfaceCells made = make_surface_cells(points, search, 0, {}, threads, times, progress);
     return with_strays(list_outliers(made.cells, made.normals), points, threads);
 }
 

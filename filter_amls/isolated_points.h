@@ -14,7 +14,7 @@ namespace recon
 /// Indices of points of a clean cloud that have no part in its surface, ascending: of cells of kind outlier, if any
 /// point lies farther from the nearest than this from its neighbours. Else those cells are lone vertices of a coarse
 /// mesh. Where there are such, also strays: nearer ones, far off the quadric through their neighbours. None if they
-/// were more than 0.3 of all: the points are no surface. \param points distinct, in spatial order. \param search,
+/// were more than most_outliers (surface_cells.h) of all. \param points distinct, in spatial order. \param search,
 /// cells, normals of these points.
 std::vector<int> list_isolated_points(const Points& points, const BlockSearch& search, const Cells& cells,
                                       const CellNormals& normals, int threads);

@@ -305,8 +305,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         coarse = find_coarse_depth_camera(sorted);
     if (coarse)
         coarse = coarse->in(frame);
-    SurfaceCells made = make_cells_twice(data->points, data->point_search, options.noise / frame.scale(), coarse,
-                                         threads, times, progress.part(0, 0.35));
+    SurfaceCells made = make_surface_cells(data->points, data->point_search, options.noise / frame.scale(), coarse,
+                                           threads, times, progress.part(0, 0.35));
     const NoiseEstimate noise = std::move(made.noise);
     data->cells = std::move(made.cells);
     data->cell_search = std::move(made.search);

@@ -1,6 +1,10 @@
 #include "surface_cells.h"
 
+#include "scattered_points.h"
+
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace recon
@@ -8,8 +12,9 @@ namespace recon
 namespace
 {
 
-/// Shares of the points: fewer outliers are not worth a second look, more are no outliers.
-constexpr double few_outliers = 0.001, many_outliers = 0.3;
+/// Share of the points: fewer outliers are not worth another look.
+constexpr double few_outliers = 0.001;
+constexpr int most_looks = 5;
 /// Widths from the nearest other cell from which an outlier is no part of a thin, sparse wall.
 constexpr double far_off = 3;
 /// Share of the error of rounding to a step below which the estimate looked at one step alone.
@@ -40,13 +45,16 @@ NoiseEstimate with_steps(const NoiseEstimate& estimate, const DepthCamera& camer
 int count_far(const std::vector<int>& outliers, const Points& points, const SurfaceCells& made)
 {
     const Cells& cells = made.cells;
+    std::vector<char> is_sound(std::size_t(cells.size()), 1);
+    for (const int i : outliers)
+        is_sound[std::size_t(cells.cell_of_point[std::size_t(i)])] = 0;
     Points means;
     std::vector<double> reach;
-    for (int c = 0; c < cells.size(); ++c)
-        if (made.normals.kinds[std::size_t(c)] != CellKind::outlier)
+    for (std::size_t c = 0; c < is_sound.size(); ++c)
+        if (is_sound[c])
         {
-            means.push_back(cells.means[std::size_t(c)]);
-            reach.push_back(far_off * cells.scales[std::size_t(c)].width);
+            means.push_back(cells.means[c]);
+            reach.push_back(far_off * cells.scales[c].width);
         }
     const BlockSearch search(means);
     int far = 0;
@@ -92,30 +100,56 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
     return made;
 }
 
-SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise,
-                              const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
-                              const Progress& progress)
+SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search, double given_noise,
+                                const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
+                                const Progress& progress)
 {
-    SurfaceCells first = make_cells(points, search, given_noise, camera, threads, times, progress.part(0, 0.6));
-    const std::vector<int> outliers = list_outliers(first.cells, first.normals);
-    const auto few = few_outliers * double(points.size()), many = many_outliers * double(points.size());
-    if (double(outliers.size()) > many || double(outliers.size()) < few || count_far(outliers, points, first) < few)
-        return first;
-    const std::vector<int> others = list_others(points.size(), outliers);
-    const Points rest = points_at(others, points);
-    SurfaceCells made =
-        make_cells(rest, BlockSearch(rest, threads), given_noise, camera, threads, times, progress.part(0.6, 1));
+    double done = 0.6;
+    SurfaceCells made = make_cells(points, search, given_noise, camera, threads, times, progress.part(0, done));
+    std::vector<int> outliers, remaining(points.size());
+    std::iota(remaining.begin(), remaining.end(), 0);
+    std::vector<LocalScale> outlier_scale(points.size());
+    Points rest = points;
+    BlockSearch rest_search;
+    for (int look = 1; look < most_looks; ++look)
+    {
+        const BlockSearch& searched = outliers.empty() ? search : rest_search;
+        std::vector<int> more = list_outliers(made.cells, made.normals);
+        const double few = few_outliers * double(points.size());
+        if (double(more.size()) < few)
+            break;
+        more = with_scattered_points(rest, searched, std::move(more), threads);
+        if (count_far(more, rest, made) < few ||
+            double(outliers.size() + more.size()) > most_outliers * double(points.size()))
+            break;
+        for (const int i : more)
+        {
+            const int outlier = remaining[std::size_t(i)];
+            outliers.push_back(outlier);
+            outlier_scale[std::size_t(outlier)] =
+                made.cells.scales[std::size_t(made.cells.cell_of_point[std::size_t(i)])];
+        }
+        std::sort(outliers.begin(), outliers.end());
+        remaining = list_others(points.size(), outliers);
+        rest = points_at(remaining, points);
+        rest_search = BlockSearch(rest, threads);
+        const double half_way = 0.5 * (1 + done);
+        made = make_cells(rest, rest_search, given_noise, camera, threads, times, progress.part(done, half_way));
+        done = half_way;
+    }
+    if (outliers.empty())
+        return made;
     Cells& cells = made.cells;
     std::vector<int> cell_of_point(points.size());
-    for (std::size_t i = 0; i < rest.size(); ++i)
-        cell_of_point[std::size_t(others[i])] = cells.cell_of_point[i];
+    for (std::size_t i = 0; i < remaining.size(); ++i)
+        cell_of_point[std::size_t(remaining[i])] = cells.cell_of_point[i];
     for (const int i : outliers)
     {
         const Point& point = points[std::size_t(i)];
         cell_of_point[std::size_t(i)] = cells.size();
         cells.means.push_back(point);
         cells.counts.push_back(1);
-        cells.scales.push_back(first.cells.scales[std::size_t(first.cells.cell_of_point[std::size_t(i)])]);
+        cells.scales.push_back(outlier_scale[std::size_t(i)]);
         made.normals.normals.push_back(Vector::UnitZ());
         made.normals.feet.push_back(point);
         made.normals.mass.push_back(0);

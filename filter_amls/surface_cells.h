@@ -29,11 +29,15 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
                         const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
                         const Progress& progress = {});
 
-/// The same, and if there are outliers again without them, since they blur scales and are company of others. They come
-/// last then, each a cell. Not if hardly any lies far from all else: those are samples of thin, sparse walls.
-SurfaceCells make_cells_twice(const Points& points, const BlockSearch& search, double given_noise,
-                              const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
-                              const Progress& progress = {});
+/// Share of the points that outliers are at most; more are no outliers, but points that are no surface.
+inline constexpr double most_outliers = 0.6;
+
+/// The same, and if there are outliers again without them and those that are like them (scattered_points.h), until
+/// there are no more: they blur scales and are company of each other. They come last then, each a cell. Not if hardly
+/// any lies far from all else: those are samples of thin, sparse walls.
+SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search, double given_noise,
+                                const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
+                                const Progress& progress = {});
 
 /// Indices of the points in cells of kind outlier, ascending.
 std::vector<int> list_outliers(const Cells& cells, const CellNormals& normals);

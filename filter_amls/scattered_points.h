@@ -1,0 +1,17 @@
+#pragma once
+
+#include <recon/block_search.h>
+#include <recon/geometry.h>
+
+#include <vector>
+
+namespace recon
+{
+
+/// With those scattered through space that are company of each other: as far from their neighbours as the known ones
+/// around, which lie about no plane. \param points in spatial order. \param search of them. \param known indices of
+/// outliers, ascending. \returns indices of both, ascending.
+std::vector<int> with_scattered_points(const Points& points, const BlockSearch& search, std::vector<int> known,
+                                       int threads);
+
+} // namespace recon
