@@ -76,10 +76,14 @@ const std::vector<Cloud> clouds = {
      [](const Model& m, unsigned seed) { return thinned(noisy_cloud(m, 0.2, seed), 20, seed + 1); }},
     {"0.2 %, 1 % outliers", beside_outliers(0.2, 0.01, 2)},
     {"0.2 %, 5 % outliers", beside_outliers(0.2, 0.05, 3)},
+    {"0.2 %, 30 % outliers", beside_outliers(0.2, 0.3, 7)},
+    {"0.2 %, as many outliers as points", beside_outliers(0.2, 1, 8)},
     {"two scans at 0.2 %, 2 sigma apart",
      [](const Model& m, unsigned seed) { return misregistered(m.mesh.vertices, 0.002 * m.diagonal, seed); }},
     {"no noise, 1 % outliers", beside_outliers(0, 0.01, 4)},
     {"no noise, 5 % outliers", beside_outliers(0, 0.05, 5)},
+    {"no noise, 30 % outliers", beside_outliers(0, 0.3, 9)},
+    {"no noise, as many outliers as points", beside_outliers(0, 1, 10)},
     {"0.05 %, 5 % outliers", beside_outliers(0.05, 0.05, 6)},
 };
 

@@ -14,6 +14,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 using namespace recon;
 
@@ -296,6 +297,22 @@ TEST(NoisyPowerCrust, OutliersAroundCleanPointsMakeNoShell)
         EXPECT_EQ(crust.genus, 1) << share;
         EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume, 2 * EIGEN_PI * EIGEN_PI * 0.35 * 0.35, 0.01) << share;
         EXPECT_GT(crust.outliers, 0.7 * share * double(torus.size()));
+    }
+}
+
+TEST(NoisyPowerCrust, AsManyOutliersAsNoisyPointsChangeLittle)
+{
+    for (const auto& [noise, share] : {std::pair{0.0, 0.4}, std::pair{0.01, 1.0}})
+    {
+        Points points = shapes::with_noise(shapes::torus(12'000, 1, 0.35, 2).points, noise, 3);
+        for (const Point& p : shapes::scattered(int(share * double(points.size())), {3, 3, 1.2}, 7))
+            points.push_back(p);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        EXPECT_EQ(crust.components, 1) << noise;
+        EXPECT_EQ(crust.genus, 1) << noise;
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume, 2 * EIGEN_PI * EIGEN_PI * 0.35 * 0.35, 0.05) << noise;
+        EXPECT_GT(crust.outliers, 0.7 * share * 12'000) << noise;
+        EXPECT_TRUE(crust.warnings.empty()) << crust.warnings.front();
     }
 }
 
