@@ -1,8 +1,8 @@
 #include "scattered_points.h"
 
-#include <recon/parallel.h>
+#include "sparse_parts.h"
 
-#include <Eigen/Eigenvalues>
+#include <recon/parallel.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,30 +20,10 @@ constexpr int known_around = 12;
 /// Least reach, and largest distance to so many known ones [usual reaches]. The reach of points scattered evenly varies
 /// by an eighth.
 constexpr double as_far = 0.65, near_known = 4;
-/// Least variance of the nearest about their plane, by the sum of those along all axes: a third of a ball, 0.03 and
-/// less where the noise is a third of the reach.
-constexpr int plane_points = 16;
-constexpr double flat = 0.06;
 /// Least reach by that which a quarter of the points have at most: else the seldom lone samples of thin, sparse walls
 /// would make outliers of those.
 constexpr double of_dense = 1.5;
 constexpr int passes = 3;
-
-/// Whether the nearest of a point lie about a plane.
-bool is_on_sheet(const Points& points, const BlockSearch& search, const Point& point)
-{
-    int near[plane_points];
-    double squared[plane_points];
-    search.nearest(point, plane_points, near, squared);
-    Point mean = Point::Zero();
-    for (const int i : near)
-        mean += points[std::size_t(i)] / plane_points;
-    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-    for (const int i : near)
-        spread += (points[std::size_t(i)] - mean) * (points[std::size_t(i)] - mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
-    return axes.eigenvalues()[0] <= flat * axes.eigenvalues().sum();
-}
 
 double lower_quartile(std::vector<double> values)
 {
@@ -83,7 +63,7 @@ std::vector<double> list_usual_reaches(const std::vector<int>& known, const Poin
 std::vector<int> with_scattered_points(const Points& points, const BlockSearch& search, std::vector<int> known,
                                        int threads)
 {
-    if (known.size() < std::size_t(known_around) || points.size() <= std::size_t(plane_points))
+    if (known.size() < std::size_t(known_around) || points.size() <= std::size_t(others))
         return known;
     // Always by those known at first: else what is found near the surface leads on into the tails of its noise.
     std::vector<double> reach(points.size()), usual(points.size());
@@ -101,7 +81,7 @@ std::vector<int> with_scattered_points(const Points& points, const BlockSearch& 
             {
                 usual[i] = usual_at_first[std::size_t(first_search.nearest(points[i]))];
                 may_be[i] =
-                    reach[i] >= std::max(least_reach, as_far * usual[i]) && !is_on_sheet(points, search, points[i]);
+                    reach[i] >= std::max(least_reach, as_far * usual[i]) && !is_on_sheet(points, search, int(i), 0);
             },
             1024);
     }

@@ -9,8 +9,8 @@ namespace recon
 {
 
 /// With those scattered through space that are company of each other: as far from their neighbours as the known ones
-/// around, which lie about no plane. \param points in spatial order. \param search of them. \param known indices of
-/// outliers, ascending. \returns indices of both, ascending.
+/// around, and on no sheet (sparse_parts.h). \param points in spatial order. \param search of them. \param known
+/// indices of outliers, ascending. \returns indices of both, ascending.
 std::vector<int> with_scattered_points(const Points& points, const BlockSearch& search, std::vector<int> known,
                                        int threads);
 

@@ -58,7 +58,7 @@ Surroundings look_around(const Points& means, const BlockSearch& search, int cel
 
 /// Whether most of what is around lies on one plane or sphere through the cell: n . e = bend d for direction e and
 /// distance d of a neighbour.
-bool is_on_sheet(const Surroundings& s, double slack)
+bool lie_on_sheet(const Surroundings& s, double slack)
 {
     double tolerance[around];
     for (int k = 0; k < s.count; ++k)
@@ -108,6 +108,11 @@ double room_of_others(const Points& means, const std::vector<int>& lonely)
 
 } // namespace
 
+bool is_on_sheet(const Points& points, const BlockSearch& search, int point, double slack)
+{
+    return lie_on_sheet(look_around(points, search, point), slack);
+}
+
 std::vector<LonelyCell> find_sparse_parts(const Cells& cells, const BlockSearch& search, const std::vector<int>& lonely,
                                           int threads)
 {
@@ -118,7 +123,7 @@ std::vector<LonelyCell> find_sparse_parts(const Cells& cells, const BlockSearch&
                  [&](std::size_t k)
                  {
                      const Surroundings s = look_around(cells.means, search, lonely[k]);
-                     result[k].belongs = is_on_sheet(s, near_sigmas * cells.scales[lonely[k]].sigma);
+                     result[k].belongs = lie_on_sheet(s, near_sigmas * cells.scales[lonely[k]].sigma);
                      if (result[k].belongs)
                          result[k].spacing = s.distances[s.count - 1] / thinned_reach;
                  });
