@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace recon
@@ -14,11 +13,20 @@ namespace
 
 /// Share of the points: fewer outliers are not worth another look.
 constexpr double few_outliers = 0.001;
+/// Share of the points from which on outliers are company of each other. Fewer are nearly all found alone; to look for
+/// more like them would cost parts that are sparser than they are.
+constexpr double many_outliers = 0.05;
 constexpr int most_looks = 5;
 /// Widths from the nearest other cell from which an outlier is no part of a thin, sparse wall.
 constexpr double far_off = 3;
 /// Share of the error of rounding to a step below which the estimate looked at one step alone.
 constexpr double within_step = 0.3;
+
+struct Outlier
+{
+    int point;        ///< Its index.
+    LocalScale scale; ///< Of its cell when it was found.
+};
 
 /// The noise the user gave in place of the estimate's.
 NoiseEstimate with_given_noise(const NoiseEstimate& estimate, double sigma)
@@ -106,31 +114,34 @@ SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search,
 {
     double done = 0.6;
     SurfaceCells made = make_cells(points, search, given_noise, camera, threads, times, progress.part(0, done));
-    std::vector<int> outliers, remaining(points.size());
-    std::iota(remaining.begin(), remaining.end(), 0);
-    std::vector<LocalScale> outlier_scale(points.size());
-    Points rest = points;
+    const double few = few_outliers * double(points.size()), most = most_outliers * double(points.size());
+    std::vector<Outlier> outliers;
+    std::vector<int> remaining; // the other points, once there are outliers
+    Points rest;
     BlockSearch rest_search;
-    for (int look = 1; look < most_looks; ++look)
+    bool are_many = true;
+    for (int look = 1; look < (are_many ? most_looks : 2); ++look)
     {
-        const BlockSearch& searched = outliers.empty() ? search : rest_search;
+        const bool is_first = outliers.empty();
+        const Points& seen = is_first ? points : rest;
         std::vector<int> more = list_outliers(made.cells, made.normals);
-        const double few = few_outliers * double(points.size());
         if (double(more.size()) < few)
             break;
-        more = with_scattered_points(rest, searched, std::move(more), threads);
-        if (count_far(more, rest, made) < few ||
-            double(outliers.size() + more.size()) > most_outliers * double(points.size()))
+        if (is_first)
+            are_many = double(more.size()) > many_outliers * double(points.size());
+        if (are_many)
+            more = with_scattered_points(seen, is_first ? search : rest_search, std::move(more), threads);
+        if (count_far(more, seen, made) < few || double(outliers.size() + more.size()) > most)
             break;
         for (const int i : more)
-        {
-            const int outlier = remaining[std::size_t(i)];
-            outliers.push_back(outlier);
-            outlier_scale[std::size_t(outlier)] =
-                made.cells.scales[std::size_t(made.cells.cell_of_point[std::size_t(i)])];
-        }
-        std::sort(outliers.begin(), outliers.end());
-        remaining = list_others(points.size(), outliers);
+            outliers.push_back({is_first ? i : remaining[std::size_t(i)],
+                                made.cells.scales[std::size_t(made.cells.cell_of_point[std::size_t(i)])]});
+        std::sort(outliers.begin(), outliers.end(),
+                  [](const Outlier& a, const Outlier& b) { return a.point < b.point; });
+        std::vector<int> indices;
+        for (const Outlier& outlier : outliers)
+            indices.push_back(outlier.point);
+        remaining = list_others(points.size(), indices);
         rest = points_at(remaining, points);
         rest_search = BlockSearch(rest, threads);
         const double half_way = 0.5 * (1 + done);
@@ -143,13 +154,13 @@ SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search,
     std::vector<int> cell_of_point(points.size());
     for (std::size_t i = 0; i < remaining.size(); ++i)
         cell_of_point[std::size_t(remaining[i])] = cells.cell_of_point[i];
-    for (const int i : outliers)
+    for (const Outlier& outlier : outliers)
     {
-        const Point& point = points[std::size_t(i)];
-        cell_of_point[std::size_t(i)] = cells.size();
+        const Point& point = points[std::size_t(outlier.point)];
+        cell_of_point[std::size_t(outlier.point)] = cells.size();
         cells.means.push_back(point);
         cells.counts.push_back(1);
-        cells.scales.push_back(outlier_scale[std::size_t(i)]);
+        cells.scales.push_back(outlier.scale);
         made.normals.normals.push_back(Vector::UnitZ());
         made.normals.feet.push_back(point);
         made.normals.mass.push_back(0);

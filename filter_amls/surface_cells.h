@@ -32,9 +32,9 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
 /// Share of the points that outliers are at most; more are no outliers, but points that are no surface.
 inline constexpr double most_outliers = 0.6;
 
-/// The same, and if there are outliers again without them and those that are like them (scattered_points.h), until
-/// there are no more: they blur scales and are company of each other. They come last then, each a cell. Not if hardly
-/// any lies far from all else: those are samples of thin, sparse walls.
+/// The same, and if there are outliers again without them, since they blur scales and are company of each other. Where
+/// there are many, so are those like them (scattered_points.h), again until there are no more. They come last then,
+/// each a cell. Not if hardly any lies far from all else: those are samples of thin, sparse walls.
 SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search, double given_noise,
                                 const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
                                 const Progress& progress = {});
