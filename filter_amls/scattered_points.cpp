@@ -2,11 +2,13 @@
 
 #include "sparse_parts.h"
 
+#include <recon/median.h>
 #include <recon/parallel.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace recon
 {
@@ -42,49 +44,57 @@ double measure_reach(const BlockSearch& search, const Point& point)
 
 /// Per known point the median reach of the known ones around it.
 std::vector<double> list_usual_reaches(const std::vector<int>& known, const Points& points,
-                                       const BlockSearch& known_search, const std::vector<double>& reach)
+                                       const BlockSearch& known_search, const std::vector<double>& reach, int threads)
 {
-    std::vector<double> usual;
-    for (const int i : known)
-    {
-        int near[known_around];
-        double squared[known_around], around[known_around];
-        known_search.nearest(points[std::size_t(i)], known_around, near, squared);
-        std::transform(near, near + known_around, around,
-                       [&](int k) { return reach[std::size_t(known[std::size_t(k)])]; });
-        std::nth_element(around, around + known_around / 2, around + known_around);
-        usual.push_back(around[known_around / 2]);
-    }
+    std::vector<double> usual(known.size());
+    parallel_for(
+        known.size(), threads, {},
+        [&](std::size_t k)
+        {
+            int near[known_around];
+            double squared[known_around];
+            known_search.nearest(points[std::size_t(known[k])], known_around, near, squared);
+            std::vector<double> around;
+            for (const int i : near)
+                around.push_back(reach[std::size_t(known[std::size_t(i)])]);
+            usual[k] = median(std::move(around));
+        },
+        1024);
     return usual;
+}
+
+/// Per point that may be scattered the usual reach of the known ones around it; 0 of the others.
+std::vector<double> list_candidates(const Points& points, const BlockSearch& search, const std::vector<int>& known,
+                                    int threads, const Progress& progress)
+{
+    std::vector<double> reach(points.size()), candidates(points.size());
+    parallel_for(
+        points.size(), threads, progress.part(0, 0.3),
+        [&](std::size_t i) { reach[i] = measure_reach(search, points[i]); }, 1024);
+    const double least_reach = of_dense * lower_quartile(reach);
+    const BlockSearch known_search(points_at(known, points), threads);
+    const std::vector<double> usual_at_known = list_usual_reaches(known, points, known_search, reach, threads);
+    parallel_for(
+        points.size(), threads, progress.part(0.3, 1),
+        [&](std::size_t i)
+        {
+            const double usual = usual_at_known[std::size_t(known_search.nearest(points[i]))];
+            if (reach[i] >= std::max(least_reach, as_far * usual) && !is_on_sheet(points, search, int(i), 0))
+                candidates[i] = usual;
+        },
+        1024);
+    return candidates;
 }
 
 } // namespace
 
 std::vector<int> with_scattered_points(const Points& points, const BlockSearch& search, std::vector<int> known,
-                                       int threads)
+                                       int threads, const Progress& progress)
 {
     if (known.size() < std::size_t(known_around) || points.size() <= std::size_t(others))
         return known;
     // Always by those known at first: else what is found near the surface leads on into the tails of its noise.
-    std::vector<double> reach(points.size()), usual(points.size());
-    parallel_for(
-        points.size(), threads, {}, [&](std::size_t i) { reach[i] = measure_reach(search, points[i]); }, 1024);
-    const double least_reach = of_dense * lower_quartile(reach);
-    std::vector<char> may_be(points.size());
-    {
-        // Always by those known at first: else what is found near the surface leads on into the tails of its noise.
-        const BlockSearch first_search(points_at(known, points), threads);
-        const std::vector<double> usual_at_first = list_usual_reaches(known, points, first_search, reach);
-        parallel_for(
-            points.size(), threads, {},
-            [&](std::size_t i)
-            {
-                usual[i] = usual_at_first[std::size_t(first_search.nearest(points[i]))];
-                may_be[i] =
-                    reach[i] >= std::max(least_reach, as_far * usual[i]) && !is_on_sheet(points, search, int(i), 0);
-            },
-            1024);
-    }
+    const std::vector<double> candidates = list_candidates(points, search, known, threads, progress);
     std::vector<char> is_scattered(points.size());
     for (const int i : known)
         is_scattered[std::size_t(i)] = 1;
@@ -95,8 +105,8 @@ std::vector<int> with_scattered_points(const Points& points, const BlockSearch& 
             points.size(), threads, {},
             [&](std::size_t i)
             {
-                if (may_be[i] && !is_scattered[i])
-                    is_scattered[i] = known_search.has_within(points[i], near_known * usual[i], known_around);
+                if (candidates[i] > 0 && !is_scattered[i])
+                    is_scattered[i] = known_search.has_within(points[i], near_known * candidates[i], known_around);
             },
             1024);
         const std::size_t before = known.size();

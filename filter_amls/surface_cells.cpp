@@ -123,6 +123,7 @@ SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search,
     for (int look = 1; look < (are_many ? most_looks : 2); ++look)
     {
         const bool is_first = outliers.empty();
+        const double looked = 0.9 * done + 0.1, half_way = 0.5 * done + 0.5;
         const Points& seen = is_first ? points : rest;
         std::vector<int> more = list_outliers(made.cells, made.normals);
         if (double(more.size()) < few)
@@ -130,7 +131,8 @@ SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search,
         if (is_first)
             are_many = double(more.size()) > many_outliers * double(points.size());
         if (are_many)
-            more = with_scattered_points(seen, is_first ? search : rest_search, std::move(more), threads);
+            more = with_scattered_points(seen, is_first ? search : rest_search, std::move(more), threads,
+                                         progress.part(done, looked, "Outliers"));
         if (count_far(more, seen, made) < few || double(outliers.size() + more.size()) > most)
             break;
         for (const int i : more)
@@ -144,8 +146,7 @@ SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search,
         remaining = list_others(points.size(), indices);
         rest = points_at(remaining, points);
         rest_search = BlockSearch(rest, threads);
-        const double half_way = 0.5 * (1 + done);
-        made = make_cells(rest, rest_search, given_noise, camera, threads, times, progress.part(done, half_way));
+        made = make_cells(rest, rest_search, given_noise, camera, threads, times, progress.part(looked, half_way));
         done = half_way;
     }
     if (outliers.empty())

@@ -1,4 +1,5 @@
 #include "filter_amls/scattered_points.h"
+#include "filter_amls/surface_cells.h"
 
 #include "tests/shapes.h"
 
@@ -85,6 +86,46 @@ TEST(ScatteredPoints, SparseSheetsAreNone)
         (scene.is_scattered[std::size_t(i)] ? scattered_found : sheet_found) += 1;
     EXPECT_LT(sheet_found, 0.15 * double(surface.size() - dense));
     EXPECT_GT(scattered_found, 0.6 * double(scattered.size()));
+}
+
+TEST(ScatteredPoints, WhatIsFarFromTheKnownOnesIsNone)
+{
+    // A bush as sparse as what is scattered elsewhere.
+    Points surface = shapes::torus(20'000, 1, 0.35, 3).points;
+    for (const Point& p : shapes::scattered(500, {2, 2, 2}, 6))
+        surface.push_back(p + Vector(9, 0, 0));
+    const Scene scene = make_scene(surface, shapes::scattered(3'000, {4, 4, 3}, 5));
+    const std::vector<int> found = with_scattered_points(scene.points, BlockSearch(scene.points), scene.known, 2);
+    EXPECT_GT(found.size(), 2'000u);
+    EXPECT_TRUE(std::none_of(found.begin(), found.end(), [&](int i) { return scene.points[std::size_t(i)].x() > 7; }));
+}
+
+TEST(SurfaceCells, OutliersAreFoundWhateverTheirShare)
+{
+    // The few would cost some of the sparse half, were more like them looked for.
+    for (const double share : {0.05, 1.0})
+    {
+        Points points;
+        shapes::Random random(7);
+        for (const Point& p : shapes::with_noise(shapes::sphere(20'000, 1, 3).points, share < 1 ? 0 : 0.03, 4))
+            if (p.z() > 0 || share == 1 || shapes::uniform(random) < 0.02)
+                points.push_back(p);
+        const Scene scene = make_scene(points, shapes::scattered(int(share * double(points.size())), {3, 3, 3}, 5));
+        const UnitFrame frame(scene.points);
+        const Points scaled = frame.to_unit(scene.points);
+        PhaseTimes times;
+        const SurfaceCells made = make_surface_cells(scaled, BlockSearch(scaled), 0, {}, 2, times);
+        int far = 0, found = 0, mistaken = 0;
+        for (std::size_t i = 0; i < scene.points.size(); ++i)
+            far += std::abs(scene.points[i].norm() - 1) > 0.3;
+        for (const int i : list_outliers(made.cells, made.normals))
+        {
+            mistaken += !scene.is_scattered[std::size_t(i)];
+            found += std::abs(scene.points[std::size_t(i)].norm() - 1) > 0.3;
+        }
+        EXPECT_GT(found, 0.98 * far) << share;
+        EXPECT_LT(mistaken, share < 1 ? 40 : 100) << share;
+    }
 }
 
 TEST(ScatteredPoints, TooFewKnownTellNothing)
