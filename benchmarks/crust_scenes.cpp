@@ -1,10 +1,11 @@
 // Scenes over a floor, ray-cast: tables, chairs, shelves, balls, boxes, seen by one to five scanners around or above.
-// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner]
+// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]]
 // One Markdown row a scene: share of samples whose normal is right (filter "Compute normals"), and share that a crust
 // reaches within 2.5 spacings and faces as they do, by the power crust and by AMLS's reconstruction, both with open
 // holes. Odd seeds are turned at random, so that no axis is up. A depth camera sees the scene from one place, half of
 // them before a wall, in pixels whose depth is a whole number of steps that grow with its square; odd seeds are in its
-// own coordinates. So are those of a laser scanner, which stands in the middle and turns, half of them in a room.
+// own coordinates. So are those of a laser scanner, which stands in the middle and turns, half of them in a room. Of
+// several stations each has half the rays, and sweep follows sweep, in the room's coordinates.
 #include "filter_amls/outward_normals.h"
 #include "filter_amls/reconstruct_amls.h"
 #include "filter_noisy_powercrust/reconstruct.h"
@@ -233,8 +234,9 @@ OrientedSamples take_frame(Scene& scene, unsigned seed, int& things, double& spa
     return result;
 }
 
-/// The same by a laser scanner. \param spacing of its rays at the median range, written.
-OrientedSamples sweep(Scene& scene, unsigned seed, int& things, double& spacing)
+/// The same by a laser scanner. \param stations where it stands in turn. \param spacing of its rays at the median
+/// range, written.
+OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int& things, double& spacing)
 {
     const double length = scene.draw(2.5, 5), width = scene.draw(2.5, 5), height = scene.draw(1.2, 1.8);
     things = add_things(scene, length, width, 1.5);
@@ -252,25 +254,32 @@ OrientedSamples sweep(Scene& scene, unsigned seed, int& things, double& spacing)
         scene.add_box({-length, -width, 2.6}, {length, width, 2.65});
     }
     const MeshDistance surface(scene.mesh);
-    const Point eye(0, 0, height);
-    const double step = scene.draw(0.35, 0.6) * pi / 180,
+    Points eyes{{0, 0, height}};
+    const double step = scene.draw(0.35, 0.6) * pi / 180 * (stations > 1 ? std::sqrt(2.0) : 1),
                  noise = std::array{0.0, 0.002, 0.006}[std::size_t(scene.draw_index(3))];
+    for (int k = 1; k < stations; ++k)
+    {
+        const double turn = 2 * pi * (k + scene.draw(-0.3, 0.3)) / (stations - 1);
+        eyes.emplace_back(0.75 * length * std::cos(turn), 0.75 * width * std::sin(turn), scene.draw(1.9, 2.3));
+    }
     OrientedSamples result;
     std::vector<double> ranges;
-    for (double over = -pi / 3; over < pi / 3; over += step)
-        for (double about = -pi; about < pi - step / 2; about += step)
-        {
-            const Vector direction(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about), std::sin(over));
-            const MeshDistance::Nearest hit = surface.first_hit(eye, direction);
-            if (hit.triangle < 0)
-                continue;
-            // Of variance 1, nearly Gaussian.
-            const double off = scene.draw(-1, 1) + scene.draw(-1, 1) + scene.draw(-1, 1);
-            ranges.push_back((hit.point - eye).norm() + noise * off);
-            result.points.push_back(seed % 2 == 1 ? Point(ranges.back() * direction)
-                                                  : Point(eye + ranges.back() * direction));
-            result.normals.push_back(normal_of(scene.mesh, hit.triangle));
-        }
+    for (const Point& eye : eyes)
+        for (double over = -pi / 3; over < pi / 3; over += step)
+            for (double about = -pi; about < pi - step / 2; about += step)
+            {
+                const Vector direction(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about),
+                                       std::sin(over));
+                const MeshDistance::Nearest hit = surface.first_hit(eye, direction);
+                if (hit.triangle < 0)
+                    continue;
+                // Of variance 1, nearly Gaussian.
+                const double off = scene.draw(-1, 1) + scene.draw(-1, 1) + scene.draw(-1, 1);
+                ranges.push_back((hit.point - eye).norm() + noise * off);
+                result.points.push_back((seed % 2 == 1 && stations == 1 ? Point::Zero() : eye) +
+                                        ranges.back() * direction);
+                result.normals.push_back(normal_of(scene.mesh, hit.triangle));
+            }
     spacing = step * median(std::move(ranges));
     return result;
 }
@@ -281,17 +290,19 @@ int main(int argc, char** argv)
 {
     if (argc < 3)
     {
-        std::fprintf(stderr, "usage: %s <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner]\n",
+        std::fprintf(stderr,
+                     "usage: %s <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]]\n",
                      argv[0]);
         return 2;
     }
     std::string folder;
-    bool by_depth_camera = false, by_laser_scanner = false;
+    bool by_depth_camera = false;
+    int stations = 0; // of a laser scanner
     for (int i = 3; i < argc; ++i)
         if (std::strcmp(argv[i], "--depth-camera") == 0)
             by_depth_camera = true;
         else if (std::strcmp(argv[i], "--laser-scanner") == 0)
-            by_laser_scanner = true;
+            stations = i + 1 < argc && std::atoi(argv[i + 1]) > 0 ? std::atoi(argv[++i]) : 1;
         else if (std::strcmp(argv[i], "-o") == 0 && i + 1 < argc)
             folder = argv[++i];
     const int scenes = std::atoi(argv[2]);
@@ -302,11 +313,11 @@ int main(int argc, char** argv)
     {
         const unsigned seed = unsigned(std::atoi(argv[1]) + i);
         Scene scene(seed);
-        int things, scanners = 1;
+        int things, scanners = std::max(1, stations);
         double spacing;
-        const OrientedSamples cloud = by_depth_camera    ? take_frame(scene, seed, things, spacing)
-                                      : by_laser_scanner ? sweep(scene, seed, things, spacing)
-                                                         : scan(scene, seed, things, scanners, spacing);
+        const OrientedSamples cloud = by_depth_camera ? take_frame(scene, seed, things, spacing)
+                                      : stations > 0  ? sweep(scene, seed, stations, things, spacing)
+                                                      : scan(scene, seed, things, scanners, spacing);
         NoisyPowerCrustOptions crust;
         crust.open_holes = true;
         AmlsReconstructionOptions amls;

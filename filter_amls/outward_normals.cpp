@@ -1,7 +1,7 @@
 #include "outward_normals.h"
 
 #include "crust_normals.h"
-#include "face_camera.h"
+#include "face_cameras.h"
 #include "label_points.h"
 #include "mesh_attempts.h"
 #include "project.h"
@@ -122,7 +122,7 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     OutwardNormals result;
     result.surface = surface.report();
     result.normals = project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection")).normals;
-    if (result.surface.seen_from)
+    if (!result.surface.seen_from.empty())
         return result;
     const auto crust =
         find_trusted_crust(points, surface, options.noise > 0, resolve_threads(options.threads), progress.part(0.6, 1));
@@ -141,14 +141,15 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     return result;
 }
 
-/// A room is closed around its scanner, and its walls face that, as all that anything sees does.
-void face_scanner_within(const Points& points, OutwardNormals& found, int threads)
+/// A room is closed around its scanners, and its walls face these, as all that anything sees does.
+void face_scanners_within(const Points& points, OutwardNormals& found, int threads)
 {
     if (found.surface.open)
         return;
-    found.surface.seen_from = find_viewpoint(points);
-    if (found.surface.seen_from)
-        face_camera(*found.surface.seen_from, points, found.normals, threads);
+    const Viewpoints viewpoints = find_viewpoints(points);
+    found.surface.seen_from = viewpoints.places();
+    if (!viewpoints.empty())
+        face_cameras(viewpoints, points, found.normals, threads);
 }
 
 } // namespace
@@ -157,7 +158,7 @@ OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& opt
 {
     const ThreadTeam team;
     OutwardNormals found = find_normals(points, options, progress);
-    face_scanner_within(points, found, resolve_threads(options.threads));
+    face_scanners_within(points, found, resolve_threads(options.threads));
     return found;
 }
 

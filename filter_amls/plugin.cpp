@@ -12,12 +12,15 @@ void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::
     result.values.emplace_back("anchors", report.anchors);
     result.values.emplace_back("open", report.open);
     plugin::append_seconds(result, report.seconds);
-    if (report.seen_from)
+    if (!report.seen_from.empty())
     {
-        std::ostringstream place;
-        place << report.seen_from->x() << ", " << report.seen_from->y() << ", " << report.seen_from->z();
-        result.log.push_back("The points are what one camera or scanner saw from (" + place.str() +
-                             "): normals face it.");
+        std::ostringstream places;
+        for (const Point& place : report.seen_from)
+            places << (places.tellp() > 0 ? ", (" : "(") << place.x() << ", " << place.y() << ", " << place.z() << ")";
+        const bool is_one = report.seen_from.size() == 1;
+        result.log.push_back("The points are what " +
+                             (is_one ? "one camera or scanner" : std::to_string(report.seen_from.size()) + " scans") +
+                             " saw from " + places.str() + ": normals face " + (is_one ? "it." : "these places."));
     }
     else if (report.open)
         result.log.push_back(

@@ -2,7 +2,7 @@
 
 #include "anchors.h"
 #include "cell_sides.h"
-#include "face_camera.h"
+#include "face_cameras.h"
 #include "feature_size.h"
 #include "orient.h"
 #include "robust_scale.h"
@@ -135,10 +135,10 @@ bool faces_down(const Points& points, const Orientation& orientation, const std:
     return !open.empty() && is_upside_down(open, normals_of_open);
 }
 
-/// Sides of the landmarks, from which all cells take theirs, or from given normals. \param viewpoint finds that of an
-/// open sheet.
+/// Sides of the landmarks, from which all cells take theirs, or from given normals. \param find_viewpoints finds those
+/// of an open sheet.
 Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
-                   const std::function<std::optional<Point>()>& viewpoint, const Vectors& given_normals, int threads,
+                   const std::function<Viewpoints()>& find_viewpoints, const Vectors& given_normals, int threads,
                    const Progress& progress)
 {
     CellNormals& normals = data.cell_normals;
@@ -151,12 +151,13 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
     }
     Orientation orientation = orient_normals(landmarks, landmark_normals, choice.landmark_spacing, threads,
                                              progress.part(0, 0.5, "Orientation"));
-    std::optional<Point>& seen_from = data.report.seen_from;
+    Points& seen_from = data.report.seen_from;
     if (orientation.open)
     {
-        seen_from = viewpoint();
-        if (seen_from)
-            face_camera(data.frame.to_unit(*seen_from), landmarks, orientation.normals, threads);
+        const Viewpoints viewpoints = find_viewpoints();
+        seen_from = viewpoints.places();
+        if (!viewpoints.empty())
+            face_cameras(viewpoints.in(data.frame), landmarks, orientation.normals, threads);
         else if (faces_down(landmarks, orientation, choice.landmark_spacing))
             turn_over(orientation.normals, orientation.is_closed);
     }
@@ -164,9 +165,9 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
     if (!given_normals.empty()) // cells of which none says anything keep the sides found
     {
         orient_by_given(data.cells, points_at(data.spatial.order, given_normals), normals.normals);
-        seen_from.reset(); // they may face anything
+        seen_from.clear(); // they may face anything
     }
-    if (!given_normals.empty() || seen_from)
+    if (!given_normals.empty() || !seen_from.empty())
         return orientation;
     if (const auto better = find_sides_of_thin_walls(data.points, data.cells, normals.normals, orientation.contradicted,
                                                      orientation.open, *data.crust, threads,
@@ -324,8 +325,10 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("orientation");
-    const auto viewpoint = [&] { return options.viewpoint ? options.viewpoint : find_viewpoint(points, sorted); };
-    const Orientation orientation = orient(*data, choice, viewpoint, given_normals, threads, progress.part(0.35, 0.85));
+    const auto viewpoints = [&]
+    { return find_viewpoints(options.as_scanned != nullptr ? *options.as_scanned : points, sorted); };
+    const Orientation orientation =
+        orient(*data, choice, viewpoints, given_normals, threads, progress.part(0.35, 0.85));
 
     times.begin("fit");
     progress.part(0.85, 0.95, "Fit").report(0);

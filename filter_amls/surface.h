@@ -4,7 +4,6 @@
 #include <recon/progress.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,8 +21,9 @@ struct AmlsOptions
     /// way, see find_ground(). Residuals are told from the projection that samples take, without `sharp`; it is at hand
     /// afterwards, as the sharp one is else.
     bool for_crust = false;
-    /// That open sheets face [input units], where the caller knows one. Else it is sought, see viewpoint.h.
-    std::optional<Point> viewpoint = {};
+    /// The cloud in the order in which it was scanned, where `points` come in another: that may tell which places open
+    /// sheets face, see viewpoint.h. Read while the surface is built.
+    const Points* as_scanned = nullptr;
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
 };
 
@@ -41,7 +41,7 @@ struct AmlsSurfaceReport
     int anchors = 0;         ///< [count]
     double contradicted = 0; ///< Share of what was known about sides that the orientation contradicts [0..1].
     bool open = false; ///< The cloud is an open sheet: "outside" has no meaning, the orientation is only consistent.
-    std::optional<Point> seen_from = {}; ///< Place of the camera or scanner that the normals face, if one was found.
+    Points seen_from = {}; ///< Places of the cameras or scanners that the normals face, if any were found.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };
 

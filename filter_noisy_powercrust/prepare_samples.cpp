@@ -8,7 +8,6 @@
 #include <recon/depth_image.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
-#include <recon/viewpoint.h>
 
 #include <algorithm>
 #include <utility>
@@ -34,15 +33,13 @@ void PreparedSamples::leave_out(const std::vector<int>& ones, const Points& poin
 const AmlsSurface& LatestSurface::find(const Points& points, const Points& sorted,
                                        const SamplePreparationOptions& options, const Progress& progress)
 {
-    if (!surface_)
-        viewpoint_ = find_scan_origin(points);
     if (!surface_ || noise_ != options.noise || !surface_->data().was_made_of(sorted))
     {
         AmlsOptions made;
         made.noise = options.noise;
         made.threads = options.threads;
         made.for_crust = true;
-        made.viewpoint = viewpoint_;
+        made.as_scanned = &points;
         surface_ = build_amls_surface(sorted, made, progress, {}, surface_ ? &*surface_ : nullptr);
         noise_ = options.noise;
     }

@@ -40,8 +40,7 @@ public:
 
 private:
     std::optional<AmlsSurface> surface_;
-    double noise_ = 0;               ///< That it was told.
-    std::optional<Point> viewpoint_; ///< From which the points were seen, sought when the first was made.
+    double noise_ = 0; ///< That it was told.
 };
 
 /// A cloud made ready for label_polar_balls().

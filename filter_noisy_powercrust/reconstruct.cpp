@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 namespace recon
@@ -166,15 +165,13 @@ void open_surface(TriangleMesh& mesh, const LabelledCloud& found, const Points& 
     if (!(options.trim_length > 0) && !options.open_holes)
         return;
     const PreparedSamples& cloud = found.cloud;
-    std::optional<Point> viewpoint = find_viewpoint(points);
-    if (viewpoint)
-        viewpoint = cloud.frame.to_unit(*viewpoint);
+    const Viewpoints viewpoints = find_viewpoints(points).in(cloud.frame);
     const int threads = resolve_threads(options.threads);
     if (options.trim_length > 0)
         trim_by_length(mesh, cloud.distinct, options.trim_length / cloud.frame.scale(), threads,
-                       progress.part(0, 1, "trimming"), viewpoint);
+                       progress.part(0, 1, "trimming"), viewpoints);
     else
-        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"), viewpoint);
+        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"), viewpoints);
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");

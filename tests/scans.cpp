@@ -49,11 +49,12 @@ OrientedSamples depth_frame(int columns, double step, std::uint64_t seed)
     return frame;
 }
 
-OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed)
+OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed, const Point& place)
 {
     Random random(seed);
     const double step = 2 * pi / around, radius = 0.5;
-    const Point ball(1.6, 1.2, -1), low(-3, -2.5, -1.5), high(2.5, 3, 1.3);
+    const Point ball = Point(1.6, 1.2, -1) - place, low = Point(-3, -2.5, -1.5) - place,
+                high = Point(2.5, 3, 1.3) - place;
     OrientedSamples scan;
     for (int i = 0; i < around / 3; ++i)
         for (int j = 0; j < around; ++j)
@@ -81,7 +82,7 @@ OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t
             if (!in_room && range > 4)
                 continue;
             range += noise * (2 * (uniform(random) + uniform(random) + uniform(random)) - 3);
-            scan.points.push_back(range * ray);
+            scan.points.push_back(place + range * ray);
             scan.normals.push_back(normal);
         }
     return scan;

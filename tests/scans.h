@@ -13,9 +13,11 @@ namespace shapes
 /// by chance. \param columns of pixels; three quarters as many rows.
 recon::OrientedSamples depth_frame(int columns, double step, std::uint64_t seed);
 
-/// What a laser scanner at the origin, which turns about z, sees of a ball of radius 0.5 two away on a floor 1.5 below,
-/// up to four away or as far as the walls and the ceiling of a room. \param around rays of a turn; a third as many over
-/// the other angle, 120 degrees. \param noise standard deviation of ranges, nearly Gaussian.
-recon::OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed);
+/// What a laser scanner, which turns about z, sees of a ball of radius 0.5 two away from the origin on a floor 1.5
+/// below, up to four away or as far as the walls and the ceiling of a room. \param around rays of a turn; a third as
+/// many over the other angle, 120 degrees. \param noise standard deviation of ranges, nearly Gaussian. \param place
+/// where it stands.
+recon::OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed,
+                                  const recon::Point& place = recon::Point::Zero());
 
 } // namespace shapes

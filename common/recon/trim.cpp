@@ -125,17 +125,17 @@ void turn(TriangleMesh& mesh, int triangle)
     }
 }
 
-/// Whether most of a part turns its back to the viewpoint. \param normals times areas.
-bool faces_away(const Point& viewpoint, const Points& centres, const Vectors& normals)
+/// Whether most of a part turns its back to who saw it. \param normals times areas.
+bool faces_away(const Viewpoints& viewpoints, const Points& centres, const Vectors& normals)
 {
     double facing = 0;
     for (std::size_t i = 0; i < centres.size(); ++i)
-        facing += normals[i].dot((viewpoint - centres[i]).normalized());
+        facing += normals[i].dot((viewpoints.of(centres[i]) - centres[i]).normalized());
     return facing < 0;
 }
 
-/// Turns parts so that they face the viewpoint, or up, if they are open level sheets.
-void turn_parts(TriangleMesh& mesh, const std::optional<Point>& viewpoint)
+/// Turns parts so that they face who saw them, or up, if they are open level sheets.
+void turn_parts(TriangleMesh& mesh, const Viewpoints& viewpoints)
 {
     const MeshComponents components = find_components(mesh);
     std::vector<std::vector<int>> members(std::size_t(components.count));
@@ -152,7 +152,7 @@ void turn_parts(TriangleMesh& mesh, const std::optional<Point>& viewpoint)
             centres.push_back(centre_of(mesh, t));
             normals.push_back((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a));
         }
-        if (!(viewpoint ? faces_away(*viewpoint, centres, normals) : is_upside_down(centres, normals)))
+        if (!(!viewpoints.empty() ? faces_away(viewpoints, centres, normals) : is_upside_down(centres, normals)))
             continue;
         for (const int i : part)
             turn(mesh, i);
@@ -160,7 +160,7 @@ void turn_parts(TriangleMesh& mesh, const std::optional<Point>& viewpoint)
 }
 
 /// Drops triangles, and islands that are left. \returns for each vertex that is left its former index.
-std::vector<int> drop(TriangleMesh& mesh, std::vector<char> keep, const std::optional<Point>& viewpoint)
+std::vector<int> drop(TriangleMesh& mesh, std::vector<char> keep, const Viewpoints& viewpoints)
 {
     leave_single_fans(mesh, keep);
     const std::vector<int> former = keep_triangles(mesh, keep);
@@ -173,7 +173,7 @@ std::vector<int> drop(TriangleMesh& mesh, std::vector<char> keep, const std::opt
     for (const int c : components.of_triangle)
         keep.push_back(count[c] >= least);
     std::vector<int> result = keep_triangles(mesh, keep);
-    turn_parts(mesh, viewpoint);
+    turn_parts(mesh, viewpoints);
     for (int& v : result)
         v = former[v];
     return result;
@@ -300,7 +300,7 @@ std::vector<double> find_largest(const TriangleMesh& mesh, const Progress& progr
 } // namespace
 
 std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double length, int threads,
-                                const Progress& progress, const std::optional<Point>& viewpoint)
+                                const Progress& progress, const Viewpoints& viewpoints)
 {
     const BlockSearch search(points, threads);
     const std::vector<double> squared = find_largest(
@@ -309,11 +309,11 @@ std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double
     std::vector<char> keep;
     for (const double s : squared)
         keep.push_back(s <= length * length);
-    return drop(mesh, std::move(keep), viewpoint);
+    return drop(mesh, std::move(keep), viewpoints);
 }
 
 std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads, const Progress& progress,
-                            const std::optional<Point>& viewpoint)
+                            const Viewpoints& viewpoints)
 {
     const Depths depths(samples, backs, threads);
     const std::vector<double> deepest =
@@ -332,7 +332,7 @@ std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs
         keep[i] = deepest[i] <= bare_beyond || !is_hole[parts.find(mesh.triangles[i][0])];
     if (std::count(keep.begin(), keep.end(), 1) == 0)
         keep.assign(keep.size(), 1);
-    std::vector<int> former = drop(mesh, std::move(keep), viewpoint);
+    std::vector<int> former = drop(mesh, std::move(keep), viewpoints);
     if (backs > 0)
         close_short_rims(mesh);
     return former;

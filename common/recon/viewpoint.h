@@ -1,11 +1,44 @@
 #pragma once
 
 #include <recon/geometry.h>
+#include <recon/neighbours.h>
 
+#include <memory>
 #include <optional>
+#include <vector>
 
 namespace recon
 {
+
+/// Places of the cameras or scanners that saw points: none known, one for all, or several, each of some of them.
+class Viewpoints
+{
+public:
+    /// None.
+    Viewpoints() = default;
+    /// One for all.
+    explicit Viewpoints(const Point& place) : places_{place} {}
+    /// Several. \param seen points, of which each was seen from places[seen_from]. \pre as many seen_from.
+    Viewpoints(Points places, Points seen, std::vector<int> seen_from);
+
+    const Points& places() const { return places_; }
+    bool empty() const { return places_.empty(); }
+    /// From which what is nearest to `p` was seen. \pre not empty.
+    const Point& of(const Point& p) const;
+    /// The same in another frame.
+    Viewpoints in(const UnitFrame& frame) const;
+
+private:
+    struct Seen
+    {
+        Seen(Points seen, std::vector<int> seen_from);
+        const Points points;
+        const std::vector<int> from;
+        const NeighbourSearch search; ///< Of the points.
+    };
+    Points places_;
+    std::shared_ptr<const Seen> seen_; ///< Where there are several.
+};
 
 /// The place from which points were seen, told by the order in which they come, along rows or columns of rays. Where
 /// what is near ends, the next point lies far behind it: a ray goes through where the near side would have gone on, and
@@ -15,10 +48,14 @@ namespace recon
 /// point, and some more at the gaps.
 std::optional<Point> find_scan_origin(const Points& points);
 
-/// Place of the camera or scanner that all points face: the origin, if they are its pixels as it delivers them
-/// (depth_image.h), or the one that their order tells. \param sorted the same in another order, where the former must
-/// not hang on how they come. \pre finite.
-std::optional<Point> find_viewpoint(const Points& points, const Points& sorted);
-std::optional<Point> find_viewpoint(const Points& points);
+/// The places of scans that follow each other, each in the order of its rays; one of them is one place. None unless
+/// nearly all points are of scans whose place is found. \pre as above.
+Viewpoints find_scan_origins(const Points& points);
+
+/// Places of the cameras or scanners that all points face: the origin, if they are the pixels of one as it delivers
+/// them (depth_image.h), or those that their order tells. \param sorted the same in another order, where the former
+/// must not hang on how they come. \pre finite.
+Viewpoints find_viewpoints(const Points& points, const Points& sorted);
+Viewpoints find_viewpoints(const Points& points);
 
 } // namespace recon

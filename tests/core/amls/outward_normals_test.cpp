@@ -264,14 +264,31 @@ TEST(OutwardNormals, OfALaserScanFaceItsScanner)
         {
             OrientedSamples scan = shapes::laser_scan(360, noise, in_room, 4);
             const OutwardNormals found = find_outward_normals(scan.points);
-            EXPECT_EQ(found.surface.seen_from, std::optional(Point(0, 0, 0))) << in_room << " " << noise;
+            EXPECT_EQ(found.surface.seen_from, Points{Point::Zero()}) << in_room << " " << noise;
             EXPECT_GT(checks::share_facing(found.normals, scan.normals), 0.98) << in_room << " " << noise;
 
             for (Point& p : scan.points)
                 p += Vector(3, 2, 1);
             const OutwardNormals moved = find_outward_normals(scan.points);
-            ASSERT_TRUE(moved.surface.seen_from) << in_room << " " << noise;
-            EXPECT_LT((*moved.surface.seen_from - Point(3, 2, 1)).norm(), 0.03) << in_room << " " << noise;
+            ASSERT_EQ(moved.surface.seen_from.size(), 1) << in_room << " " << noise;
+            EXPECT_LT((moved.surface.seen_from[0] - Point(3, 2, 1)).norm(), 0.03) << in_room << " " << noise;
             EXPECT_GT(checks::share_facing(moved.normals, scan.normals), 0.98) << in_room << " " << noise;
         }
+}
+
+TEST(OutwardNormals, OfSeveralScansFaceTheScannerOfEach)
+{
+    for (const bool in_room : {false, true})
+    {
+        OrientedSamples scans;
+        for (const Point& place : {Point(1.5, 2, 0.5), Point(-1, 1.5, 0.2)})
+        {
+            const OrientedSamples scan = shapes::laser_scan(300, 0.005, in_room, 4, place);
+            scans.points.insert(scans.points.end(), scan.points.begin(), scan.points.end());
+            scans.normals.insert(scans.normals.end(), scan.normals.begin(), scan.normals.end());
+        }
+        const OutwardNormals found = find_outward_normals(scans.points);
+        EXPECT_EQ(found.surface.seen_from.size(), 2) << in_room;
+        EXPECT_GT(checks::share_facing(found.normals, scans.normals), 0.98) << in_room;
+    }
 }

@@ -214,7 +214,18 @@ TEST(TrimByLength, PartsFaceTheViewpoint)
         for (const bool up : {false, true})
         {
             TriangleMesh terrain = make_terrain(0.1, up);
-            trim_by_length(terrain, terrain.vertices, 1, 1, {}, Point(0, 0, z));
+            trim_by_length(terrain, terrain.vertices, 1, 1, {}, Viewpoints(Point(0, 0, z)));
             EXPECT_EQ(mean_rise(terrain) > 0, z > 0) << z << " " << up;
         }
+    // Each the one that saw it.
+    const Vector aside(1'000, 0, 0);
+    const Viewpoints viewpoints({{0, 0, 50}, {1'000, 0, -50}}, {{0, 0, 0}, aside}, {0, 1});
+    for (const bool is_aside : {false, true})
+    {
+        TriangleMesh terrain = make_terrain(0.1, true);
+        for (Point& p : terrain.vertices)
+            p += is_aside * aside;
+        trim_by_length(terrain, terrain.vertices, 1, 1, {}, viewpoints);
+        EXPECT_EQ(mean_rise(terrain) < 0, is_aside);
+    }
 }

@@ -82,7 +82,8 @@ TEST(ScanOrigin, IsNoneOfOtherClouds)
     const Points frame = shapes::depth_frame(240, 0.003, 3).points;
     std::vector<Points> clouds{{}, {{0, 0, 0}}, Points(200, Point(1, 2, 3)), shapes::sphere(5'000, 1, 3).points};
     clouds.push_back(points_at(order_spatially(frame).order, frame));
-    clouds.push_back(frame); // two frames
+    const std::size_t two_frames = clouds.size();
+    clouds.push_back(frame);
     for (const Point& p : put(frame, poses[1]))
         clouds.back().push_back(p);
     clouds.emplace_back(); // noise across the rays
@@ -121,16 +122,79 @@ TEST(ScanOrigin, IsNoneOfOtherClouds)
             clouds.back().push_back(range * ray);
         }
     for (std::size_t k = 0; k < clouds.size(); ++k)
+    {
         EXPECT_FALSE(find_scan_origin(clouds[k])) << k;
+        EXPECT_EQ(find_scan_origins(clouds[k]).empty(), k != two_frames) << k;
+    }
 }
 
-TEST(FindViewpoint, FindsPixelsInAnyOrderAndOthersByTheirs)
+TEST(ScanOrigins, AreFoundOfScansThatFollowEachOther)
+{
+    const Points places{{0, 0, 0}, {-2, 1.5, 0.2}, {1, -1.8, -0.3}};
+    for (const double noise : {0.0, 0.01})
+    {
+        OrientedSamples scans;
+        for (const Point& place : places)
+        {
+            const OrientedSamples scan = shapes::laser_scan(300, noise, true, 3, place);
+            scans.points.insert(scans.points.end(), scan.points.begin(), scan.points.end());
+            scans.normals.insert(scans.normals.end(), scan.normals.begin(), scan.normals.end());
+        }
+        for (const Pose& pose : poses)
+            for (const bool is_reversed : {false, true})
+            {
+                const Points points = put(scans.points, pose);
+                Points in_order = points, expected = put(places, pose);
+                if (is_reversed)
+                {
+                    std::reverse(in_order.begin(), in_order.end());
+                    std::reverse(expected.begin(), expected.end());
+                }
+                const Viewpoints found = find_scan_origins(in_order);
+                ASSERT_EQ(found.places().size(), places.size()) << noise << is_reversed;
+                for (std::size_t k = 0; k < places.size(); ++k)
+                    EXPECT_LT((found.places()[k] - expected[k]).norm(), 0.02) << noise << is_reversed;
+                int facing = 0;
+                for (std::size_t i = 0; i < points.size(); ++i)
+                    facing += (pose.turn * scans.normals[i]).dot(found.of(points[i]) - points[i]) > 0;
+                EXPECT_GT(facing, 0.995 * double(points.size())) << noise << is_reversed;
+            }
+        EXPECT_TRUE(find_scan_origins(points_at(order_spatially(scans.points).order, scans.points)).empty());
+    }
+}
+
+TEST(ScanOrigins, OneOfOneScan)
+{
+    const Points points = put(shapes::laser_scan(360, 0.01, true, 3).points, poses[1]);
+    const Viewpoints found = find_scan_origins(points);
+    ASSERT_EQ(found.places().size(), 1);
+    EXPECT_EQ(found.places()[0], find_scan_origin(points));
+    EXPECT_TRUE(find_scan_origins({}).empty());
+}
+
+TEST(Viewpoints, AreThoseOfTheNearest)
+{
+    const Points places{{0, 0, 5}, {0, 0, -5}}, seen{{1, 0, 0}, {-1, 0, 0}};
+    const UnitFrame frame({{100, 0, 0}, {104, 0, 0}});
+    const Viewpoints viewpoints(places, seen, {0, 1}), in_frame = viewpoints.in(frame);
+    for (const double x : {0.7, -0.7})
+    {
+        const Point p(x, 0, 0), place = places[x > 0 ? 0 : 1];
+        EXPECT_EQ(viewpoints.of(p), place);
+        EXPECT_EQ(in_frame.of(frame.to_unit(p)), frame.to_unit(place));
+        EXPECT_EQ(Viewpoints(places[0]).of(p), places[0]);
+    }
+    EXPECT_TRUE(Viewpoints().empty());
+    EXPECT_TRUE(Viewpoints().in(frame).empty());
+}
+
+TEST(FindViewpoints, FindsPixelsInAnyOrderAndOthersByTheirs)
 {
     const Points frame = shapes::depth_frame(240, 0.003, 3).points, moved = put(frame, poses[1]);
     const auto in_order = [](const Points& points) { return points_at(order_spatially(points).order, points); };
-    EXPECT_EQ(find_viewpoint(in_order(frame)), std::optional(Point(0, 0, 0)));
-    const auto found = find_viewpoint(moved, in_order(moved));
-    ASSERT_TRUE(found);
-    EXPECT_LT((*found - poses[1].shift).norm(), 0.03);
-    EXPECT_FALSE(find_viewpoint(in_order(moved)));
+    EXPECT_EQ(find_viewpoints(in_order(frame)).places(), Points{Point::Zero()});
+    const Viewpoints found = find_viewpoints(moved, in_order(moved));
+    ASSERT_EQ(found.places().size(), 1);
+    EXPECT_LT((found.places()[0] - poses[1].shift).norm(), 0.03);
+    EXPECT_TRUE(find_viewpoints(in_order(moved)).empty());
 }

@@ -1,4 +1,4 @@
-#include "filter_amls/face_camera.h"
+#include "filter_amls/face_cameras.h"
 
 #include "tests/checks.h"
 #include "tests/shapes.h"
@@ -29,6 +29,7 @@ TEST(FaceCamera, TurnsWhatFacesAwayAndWhatGrazingRaysDoNotTell)
         if (k % 2 == 1 || seen.points[k].y() > 5)
             normals[k] = -normals[k];
     const Point camera(0, 0, 2);
+    const Viewpoints cameras(camera);
     const auto share_facing_camera = [&](const Vectors& chosen)
     {
         double facing = 0;
@@ -40,7 +41,7 @@ TEST(FaceCamera, TurnsWhatFacesAwayAndWhatGrazingRaysDoNotTell)
     for (const int threads : {1, 3})
     {
         Vectors turned = normals;
-        face_camera(camera, seen.points, turned, threads);
+        face_cameras(cameras, seen.points, turned, threads);
         EXPECT_GT(checks::share_facing(turned, seen.normals), 0.99);
     }
 }
@@ -48,7 +49,7 @@ TEST(FaceCamera, TurnsWhatFacesAwayAndWhatGrazingRaysDoNotTell)
 TEST(FaceCamera, AcceptsNothingAndAPointAtTheCamera)
 {
     Vectors none, one = {Vector::UnitX()};
-    face_camera(Point::Zero(), {}, none, 1);
-    face_camera(Point::Zero(), {Point::Zero()}, one, 1);
+    face_cameras(Viewpoints(Point::Zero()), {}, none, 1);
+    face_cameras(Viewpoints(Point::Zero()), {Point::Zero()}, one, 1);
     EXPECT_EQ(one.front(), Vector::UnitX());
 }

@@ -1,4 +1,4 @@
-#include "face_camera.h"
+#include "face_cameras.h"
 
 #include <recon/block_search.h>
 #include <recon/minimum_cut.h>
@@ -18,7 +18,7 @@ constexpr double of_neighbour = 0.25;
 
 } // namespace
 
-void face_camera(const Point& camera, const Points& points, Vectors& normals, int threads)
+void face_cameras(const Viewpoints& cameras, const Points& points, Vectors& normals, int threads)
 {
     SignedGraph graph; // inner: stays, outer: turns
     graph.nodes = int(points.size());
@@ -27,7 +27,7 @@ void face_camera(const Point& camera, const Points& points, Vectors& normals, in
     const BlockSearch search(points, threads);
     for (int i = 0; i < graph.nodes; ++i)
     {
-        const double cosine = normals[i].dot((camera - points[i]).normalized());
+        const double cosine = normals[i].dot((cameras.of(points[i]) - points[i]).normalized());
         if (cosine != 0)
             ties.push_back({i, cosine > 0 ? Side::inner : Side::outer, std::abs(cosine)});
         int near[neighbours + 1];

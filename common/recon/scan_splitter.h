@@ -1,0 +1,25 @@
+#pragma once
+
+#include <recon/geometry.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace recon
+{
+
+/// Consecutive points that one camera or scanner saw.
+struct Scan
+{
+    std::size_t begin, end; ///< Of the points.
+    Point place;            ///< From which they were seen.
+    std::size_t gaps, seen; ///< Gaps among them, and those that are seen across from there [count], see ray_meeting.h.
+};
+
+/// Tells scans that follow each other, each in the order of its rays, from one another. Places are sought where
+/// rays of ever smaller windows meet, and, if any is found, where points that none of them explains follow each other
+/// most evenly. Points then go to the place from which they do that best, neighbours to the same one. Scans whose place
+/// is not found are left out. \pre finite; neighbours differ; near the origin. Serial.
+std::vector<Scan> split_scans(const Points& points);
+
+} // namespace recon
