@@ -7,6 +7,7 @@
 #include "project.h"
 
 #include <recon/block_search.h>
+#include <recon/convex_surface.h>
 #include <recon/errors.h>
 #include <recon/parallel.h>
 #include <recon/viewpoint.h>
@@ -152,6 +153,21 @@ void face_scanners_within(const Points& points, OutwardNormals& found, int threa
         face_cameras(viewpoints, points, found.normals, threads);
 }
 
+/// Few points that all lie on their convex hull face away from what is within: long faces, as a cone's, look like
+/// sheets.
+void face_out_of_hull(const Points& points, OutwardNormals& found)
+{
+    const std::optional<ConvexSurface> hull = find_convex_surface(points);
+    if (!hull)
+        return;
+    Point within = Point::Zero();
+    for (const Point& p : hull->mesh.vertices)
+        within += p / double(hull->mesh.vertices.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (found.normals[i].dot(points[i] - within) < 0)
+            found.normals[i] = -found.normals[i];
+}
+
 } // namespace
 
 OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
@@ -159,6 +175,8 @@ OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& opt
     const ThreadTeam team;
     OutwardNormals found = find_normals(points, options, progress);
     face_scanners_within(points, found, resolve_threads(options.threads));
+    if (found.surface.seen_from.empty() && options.noise == 0)
+        face_out_of_hull(points, found);
     return found;
 }
 

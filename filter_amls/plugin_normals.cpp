@@ -181,8 +181,9 @@ plugin::FilterSpec recon::plugin_filters::describe_normals()
             "Computes <b>outward unit normals</b> of a point cloud that may be <b>noisy</b> and has no "
             "normals yet. Which side is outside follows from the Delaunay balls of the cloud, not from a "
             "viewpoint or from walking over neighbours; where the cloud is closed a crust of it, which knows "
-            "both sides of thin walls, corrects them. What one depth camera or laser scanner saw is "
-            "recognised, from the origin or by the order of the points, and faces it. Points are not moved.<br><br>") +
+            "both sides of thin walls, corrects them. What a depth camera or laser scanner saw is "
+            "recognised, from the origin or by the order of the points, and faces it; of several scans, one after the "
+            "other, each its own. Points are not moved.<br><br>") +
         citation;
     spec.category = plugin::Category::normal | plugin::Category::point_set;
     spec.effects = plugin::Effect::changes_normals;

@@ -3,6 +3,7 @@
 #include "reconstruct_amls.h"
 
 #include <meshlab/shared_parameters.h>
+#include <recon/convex_surface.h>
 
 namespace
 {
@@ -55,6 +56,8 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Reconstr
     };
     plugin::append_seconds(result, found.seconds);
     result.warnings = std::move(found.warnings);
+    if (found.is_convex)
+        result.log.push_back(recon::convex_text);
 
     plugin::NewLayer surface;
     surface.name = "AMLS surface of " + plugin::name_without_ending(layer);

@@ -3,6 +3,7 @@
 #include "mesh_attempts.h"
 
 #include <recon/back_sheets.h>
+#include <recon/convex_surface.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/lids.h>
@@ -48,12 +49,38 @@ void draw_closings_taut(MeshAttempt& attempt, int threads)
         }
 }
 
-} // namespace
-
-AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
-                                    const Progress& progress)
+void report_topology(const AmlsReconstructionOptions& options, AmlsReconstruction& result)
 {
-    const ThreadTeam team;
+    const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
+    result.components = topology.components;
+    result.boundary_loops = topology.boundary_loops;
+    result.euler_characteristic = topology.euler_characteristic;
+    result.genus = topology.genus();
+}
+
+/// Unless something is asked for that the hull has not.
+std::optional<ConvexSurface> find_hull(const Points& points, const AmlsReconstructionOptions& options)
+{
+    if (options.noise != 0 || options.rho_e != 0 || options.open_holes)
+        return {};
+    check_spans_volume(points);
+    return find_convex_surface(points);
+}
+
+AmlsReconstruction take_hull(ConvexSurface hull, const AmlsReconstructionOptions& options)
+{
+    AmlsReconstruction result;
+    result.mesh = std::move(hull.mesh);
+    result.nearest_sample = std::move(hull.points);
+    result.samples = int(result.mesh.vertices.size());
+    result.surface.spacing = hull.spacing;
+    result.is_convex = true;
+    report_topology(options, result);
+    return result;
+}
+
+AmlsReconstruction reconstruct(const Points& points, const AmlsReconstructionOptions& options, const Progress& progress)
+{
     AmlsReconstruction result;
     PhaseTimes times;
     MeshAttempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));
@@ -95,14 +122,22 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     result.nearest_sample.resize(result.mesh.vertices.size());
     parallel_for(result.mesh.vertices.size(), threads, progress.part(0.97, 1, "nearest points"),
                  [&](std::size_t v) { result.nearest_sample[v] = search.nearest(result.mesh.vertices[v]); });
-    const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
-    result.components = topology.components;
-    result.boundary_loops = topology.boundary_loops;
-    result.euler_characteristic = topology.euler_characteristic;
-    result.genus = topology.genus();
+    report_topology(options, result);
     times.end();
     result.seconds = times.seconds();
     return result;
+}
+
+} // namespace
+
+AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options,
+                                    const Progress& progress)
+{
+    const ThreadTeam team;
+    return hull_or(
+        find_hull(points, options), [&] { return reconstruct(points, options, progress); },
+        [](const AmlsReconstruction& found) { return found.vertices_on_surface > 0; },
+        [&](ConvexSurface hull) { return take_hull(std::move(hull), options); });
 }
 
 } // namespace recon

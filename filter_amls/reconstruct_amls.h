@@ -34,8 +34,9 @@ struct AmlsReconstruction
     int completed = 0; ///< Of these, put on bare flat faces and walls of clean clouds [count].
     int outliers = 0;  ///< Points that the surface does not claim [count].
     int vertices_on_surface =
-        0;              ///< Vertices projected onto I = 0; the others close holes, or are clean points [count].
-    int components = 0; ///< [count]
+        0;                  ///< Vertices projected onto I = 0; the others close holes, or are clean points [count].
+    bool is_convex = false; ///< Whether all points lie on their convex hull, and that is the surface.
+    int components = 0;     ///< [count]
     int euler_characteristic = 0;
     int boundary_loops = 0;            ///< 0 unless opened [count].
     int genus = 0;                     ///< Summed over the components.
@@ -49,7 +50,8 @@ struct AmlsReconstruction
 /// their normals. Its vertices are then projected onto I = 0; the topology stays. It is closed where the data closes,
 /// and over holes, drawn taut there, unless these are opened. A cloud without noise (cleanness.h) makes the crust as it
 /// is, which then passes through its points, unless it is so open that neither they nor the surface's normals tell
-/// inside from outside. \throws InvalidInput, AlgorithmFailure, Cancelled.
+/// inside from outside. Of up to 2,000 points that all lie on their convex hull it can be that, see hull_or(), unless a
+/// width, noise or open holes are asked for. \throws InvalidInput, AlgorithmFailure, Cancelled.
 AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructionOptions& options = {},
                                     const Progress& progress = {});
 

@@ -3,6 +3,7 @@
 
 #include <meshlab/filter_spec.h>
 #include <meshlab/shared_parameters.h>
+#include <recon/convex_surface.h>
 
 namespace
 {
@@ -76,6 +77,8 @@ plugin::FilterResult reconstruct(const plugin::InputLayer& layer, const Options&
     };
     plugin::append_seconds(result, crust.seconds);
     result.warnings = std::move(crust.warnings);
+    if (crust.is_convex)
+        result.log.push_back(recon::convex_text);
 
     plugin::NewLayer surface;
     surface.name = "Noisy power crust of " + plugin::name_without_ending(layer);

@@ -6,6 +6,7 @@
 
 #include <recon/cleanness.h>
 #include <recon/depth_image.h>
+#include <recon/errors.h>
 #include <recon/parallel.h>
 #include <recon/spatial_order.h>
 
@@ -14,6 +15,23 @@
 
 namespace recon
 {
+namespace
+{
+
+bool span_volume(const Points& points)
+{
+    try
+    {
+        check_spans_volume(points);
+        return true;
+    }
+    catch (const InvalidInput&)
+    {
+        return false;
+    }
+}
+
+} // namespace
 
 void PreparedSamples::choose_frame(const Points& spanning, const Points& points)
 {
@@ -25,7 +43,10 @@ void PreparedSamples::leave_out(const std::vector<int>& ones, const Points& poin
 {
     if (ones.empty())
         return;
-    order = order_without(ones, order, points);
+    std::vector<int> rest = order_without(ones, order, points);
+    if (!span_volume(points_at(rest, points)))
+        return; // a cone's tip
+    order = std::move(rest);
     outliers = isolated = int(ones.size());
     choose_frame(points_at(order, points), points);
 }

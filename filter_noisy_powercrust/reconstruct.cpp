@@ -4,6 +4,7 @@
 #include "label_cloud.h"
 #include "sharp_edges.h"
 
+#include <recon/convex_surface.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/labelled_balls.h>
@@ -187,13 +188,32 @@ void report_topology(const NoisyPowerCrustOptions& options, NoisyPowerCrust& res
     result.genus = topology.genus();
 }
 
-} // namespace
-
-NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options,
-                                              const Progress& progress)
+/// Unless something is asked for that the hull has not.
+std::optional<ConvexSurface> find_hull(const Points& points, const NoisyPowerCrustOptions& options)
 {
-    const ThreadTeam team;
-    check(options);
+    const bool is_asked = options.denoise == Denoise::on || options.noise > 0 || options.ball_threshold > 0 ||
+                          options.deep_intersection > 0 || options.open_holes || options.trim_length > 0;
+    if (is_asked)
+        return {};
+    check_spans_volume(points);
+    return find_convex_surface(points);
+}
+
+NoisyPowerCrust take_hull(ConvexSurface hull, const NoisyPowerCrustOptions& options)
+{
+    NoisyPowerCrust result;
+    result.mesh = std::move(hull.mesh);
+    result.nearest_sample = std::move(hull.points);
+    result.points_used = result.samples = int(result.mesh.vertices.size());
+    result.spacing = hull.spacing;
+    result.is_convex = true;
+    result.cleanness = 1;
+    report_topology(options, result);
+    return result;
+}
+
+NoisyPowerCrust reconstruct(const Points& points, const NoisyPowerCrustOptions& options, const Progress& progress)
+{
     NoisyPowerCrust result;
     PhaseTimes times;
     const BallLabellingOptions labelling = options_for_balls(options);
@@ -214,6 +234,19 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     times.end();
     result.seconds = times.seconds();
     return result;
+}
+
+} // namespace
+
+NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options,
+                                              const Progress& progress)
+{
+    const ThreadTeam team;
+    check(options);
+    return hull_or(
+        find_hull(points, options), [&] { return reconstruct(points, options, progress); },
+        [](const NoisyPowerCrust& crust) { return crust.denoised; },
+        [&](ConvexSurface hull) { return take_hull(std::move(hull), options); });
 }
 
 } // namespace recon

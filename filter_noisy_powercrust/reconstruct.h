@@ -50,15 +50,17 @@ struct NoisyPowerCrust
     int euler_characteristic = 0;
     int boundary_loops = 0;            ///< 0 unless opened or trimmed [count].
     int genus = 0;                     ///< Summed over the components.
+    bool is_convex = false;            ///< Whether all points lie on their convex hull, and that is the surface.
     double cleanness = 0;              ///< Share of samples that look free of noise, as the gate saw it [0..1].
     std::vector<std::string> warnings; ///< In words for the user.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
 };
 
 /// Reconstructs a closed, outward oriented surface from noisy points without normals (Mederos, Amenta, Velho, de
-/// Figueiredo 2005, algorithm 4.1, with a local threshold and a global labelling). \throws InvalidInput for points that
-/// do not span a volume or are not finite, or an option out of range. \throws AlgorithmFailure if no inner ball is
-/// left, or the crust encloses no volume. \throws Cancelled.
+/// Figueiredo 2005, algorithm 4.1, with a local threshold and a global labelling). Of up to 2,000 points that all lie
+/// on their convex hull it can be that, see hull_or(), unless noise, a threshold or open holes are asked for. \throws
+/// InvalidInput for points that do not span a volume or are not finite, or an option out of range. \throws
+/// AlgorithmFailure if no inner ball is left, or the crust encloses no volume. \throws Cancelled.
 NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyPowerCrustOptions& options = {},
                                               const Progress& progress = {});
 

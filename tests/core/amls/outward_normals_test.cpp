@@ -276,6 +276,19 @@ TEST(OutwardNormals, OfALaserScanFaceItsScanner)
         }
 }
 
+TEST(OutwardNormals, OfPointsOnTheirHullPointOutOfIt)
+{
+    for (const int around : {12, 36, 200})
+    {
+        Points cone{{0, 0, 1}};
+        for (int i = 0; i < around; ++i)
+            cone.emplace_back(0.5 * std::cos(2 * M_PI * i / around), 0.5 * std::sin(2 * M_PI * i / around), 0);
+        const OutwardNormals found = find_outward_normals(cone);
+        for (std::size_t i = 0; i < cone.size(); ++i)
+            EXPECT_GE(found.normals[i].dot(cone[i] - Point(0, 0, 0.25)), 0) << around << " " << i;
+    }
+}
+
 TEST(OutwardNormals, OfSeveralScansFaceTheScannerOfEach)
 {
     for (const bool in_room : {false, true})

@@ -400,6 +400,19 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
     EXPECT_THROW(reconstruct_amls(shapes::sphere(2000, 1, 1).points, {}, progress), Cancelled);
 }
 
+TEST(ReconstructAmls, OfPointsOnTheirHullIsTheHull)
+{
+    Points cube;
+    for (int k = 0; k < 8; ++k)
+        cube.emplace_back(k & 1, k >> 1 & 1, k >> 2 & 1);
+    const AmlsReconstruction found = reconstruct_amls(cube);
+    EXPECT_TRUE(found.is_convex);
+    EXPECT_EQ(found.genus, 0);
+    EXPECT_EQ(found.samples, 8);
+    EXPECT_DOUBLE_EQ(checks::examine_mesh(found.mesh).volume, 1);
+    EXPECT_FALSE(reconstruct_amls(shapes::torus(1'000, 1, 0.4, 3).points).is_convex);
+}
+
 TEST(ReconstructAmls, FewScatteredPointsFaceOutwardOrAreRefused)
 {
     int refused = 0;

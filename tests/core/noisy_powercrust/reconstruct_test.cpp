@@ -399,6 +399,33 @@ TEST(NoisyPowerCrust, RefusesWhatItCannotUse)
     }
 }
 
+TEST(NoisyPowerCrust, OfPointsOnTheirHullIsTheHull)
+{
+    Points points; // a rod by the circles at its ends
+    for (int i = 0; i < 60; ++i)
+        for (const double z : {0, 3})
+            points.emplace_back(0.5 * std::cos(i * M_PI / 30), 0.5 * std::sin(i * M_PI / 30), z);
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+    EXPECT_TRUE(crust.is_convex);
+    EXPECT_FALSE(crust.denoised);
+    EXPECT_EQ(crust.samples, 120);
+    EXPECT_EQ(crust.components, 1);
+    EXPECT_EQ(crust.genus, 0);
+    EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume, 90 * 0.25 * std::sin(M_PI / 30), 1e-9);
+    ASSERT_EQ(crust.nearest_sample.size(), crust.mesh.vertices.size());
+    EXPECT_EQ(points[std::size_t(crust.nearest_sample[7])], crust.mesh.vertices[7]);
+    Points cone; // whose tip looks like an outlier, and whose base has its centre
+    for (int i = 0; i < 200; ++i)
+        cone.emplace_back(0.5 * std::cos(i * M_PI / 100), 0.5 * std::sin(i * M_PI / 100), 0);
+    cone.emplace_back(0, 0, 0);
+    cone.emplace_back(0, 0, 1);
+    EXPECT_NEAR(checks::examine_mesh(reconstruct_noisy_power_crust(cone).mesh).volume, M_PI / 12, 1e-3);
+    NoisyPowerCrustOptions noisy;
+    noisy.noise = 0.05;
+    EXPECT_FALSE(reconstruct_noisy_power_crust(shapes::sphere(500, 1, 3).points, noisy).is_convex);
+    EXPECT_FALSE(reconstruct_noisy_power_crust(shapes::torus(1'000, 1, 0.4, 3).points).is_convex);
+}
+
 TEST(NoisyPowerCrust, FewPointsGiveAResultOrAClearError)
 {
     for (int n = 4; n < 40; n += 3)
