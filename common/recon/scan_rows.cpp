@@ -55,9 +55,10 @@ Point find_most_even(const Points& points, const Point& place)
     constexpr int iterations = 6;
     constexpr std::size_t most_asked = 2'000;
     constexpr double nudge = 1e-4, width = 0.1; // [distance], [relative difference]
+    const std::size_t stride = points.size() / most_asked + 1;
     double range = 0;
-    for (const Point& p : points)
-        range += (p - place).norm() / double(points.size());
+    for (std::size_t i = 0; i < points.size(); i += stride)
+        range = std::max(range, (points[i] - place).norm());
     const auto measure = [&](std::size_t i, const Point& at)
     {
         const double before = angle_at(at, points[i - 1], points[i]), after = angle_at(at, points[i], points[i + 1]);
@@ -68,7 +69,7 @@ Point find_most_even(const Points& points, const Point& place)
     {
         Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
         Vector right = Vector::Zero();
-        for (std::size_t i = 1; i + 1 < points.size(); i += points.size() / most_asked + 1)
+        for (std::size_t i = 1; i + 1 < points.size(); i += stride)
         {
             const double here = measure(i, result), weight = 1 / (1 + here * here / (width * width));
             Vector slope;

@@ -50,7 +50,7 @@ class ScanSplitter
 {
 public:
     explicit ScanSplitter(const Points& points)
-        : points_(points), gaps_(find_gaps(points)), block_(std::max(least_block, points.size() / most_blocks + 1)),
+        : points_(points), box_(bounding_box(points)), gaps_(find_gaps(points)), block_(std::max(least_block, points.size() / most_blocks + 1)),
           blocks_((points.size() + block_ - 1) / block_)
     {
     }
@@ -72,7 +72,7 @@ public:
         {
             if (run.candidate < 0)
                 continue;
-            const auto found = settle(run.begin, run.end, candidates_[std::size_t(run.candidate)].place);
+            const auto found = settle(slice(run.begin, run.end), candidates_[std::size_t(run.candidate)].place);
             if (!found)
                 continue;
             Scan scan{run.begin, run.end, found->place, 0, 0};
@@ -104,17 +104,21 @@ private:
 
     double deviation_at(std::size_t i, const Point& place) const { return measure_deviation(points_, i, place); }
 
+    Points slice(std::size_t begin, std::size_t end) const
+    {
+        return Points(points_.begin() + std::ptrdiff_t(begin), points_.begin() + std::ptrdiff_t(end));
+    }
+
     bool is_same(const Point& a, const Point& b, std::size_t point) const
     {
         return (a - b).norm() < same * (points_[point] - a).norm();
     }
 
     /// A place moved to where points are most even, if they are as even as those of a scan from there.
-    std::optional<Candidate> settle(std::size_t begin, std::size_t end, const Point& start) const
+    static std::optional<Candidate> settle(const Points& points, const Point& start)
     {
-        if (end - begin < fewest_points)
+        if (points.size() < fewest_points)
             return {};
-        const Points points(points_.begin() + std::ptrdiff_t(begin), points_.begin() + std::ptrdiff_t(end));
         Point place = find_most_even(points, start);
         Evenness seen = measure_evenness(points, place);
         if (const Evenness before = measure_evenness(points, start); before.deviation < seen.deviation)
@@ -149,7 +153,7 @@ private:
                 const std::optional<Meeting> meeting = find_meeting(points_, asked, of_windows);
                 if (meeting && meeting->is_sharp() &&
                     (meeting->has_many() || (meeting->rays >= few_gaps && meeting->share() >= large_part)))
-                    add(settle(gaps_[first], gaps_[end - 1], meeting->place), gaps_[first]);
+                    add(settle(slice(gaps_[first], gaps_[end - 1]), meeting->place), gaps_[first]);
             }
     }
 
@@ -219,13 +223,13 @@ private:
 
     bool look_at(std::size_t begin, std::size_t end)
     {
-        const Box box = bounding_box(points_);
+        const Points points = slice(begin, end);
         std::optional<Candidate> best;
         for (std::size_t k = 0; k < starts; ++k)
         {
             const auto draw = [&](std::size_t axis) { return double(scramble(3 * k + axis) % 1'000) / 1'000; };
-            const Point start = box.minimum + Vector(draw(0), draw(1), draw(2)).cwiseProduct(box.maximum - box.minimum);
-            const std::optional<Candidate> found = settle(begin, end, start);
+            const Point start = box_.minimum + Vector(draw(0), draw(1), draw(2)).cwiseProduct(box_.maximum - box_.minimum);
+            const std::optional<Candidate> found = settle(points, start);
             if (found && (!best || found->deviation < best->deviation))
                 best = found;
         }
@@ -318,6 +322,7 @@ private:
     }
 
     const Points& points_;
+    Box box_;
     std::vector<std::size_t> gaps_;
     std::size_t block_, blocks_; ///< Points in a block, and blocks [count].
     std::vector<Candidate> candidates_;
