@@ -64,6 +64,7 @@ std::optional<ConvexSurface> find_hull(const Points& points, const AmlsReconstru
     if (options.noise != 0 || options.rho_e != 0 || options.open_holes)
         return {};
     check_spans_volume(points);
+    resolve_threads(options.threads); // throws
     return find_convex_surface(points);
 }
 

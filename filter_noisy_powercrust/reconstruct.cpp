@@ -196,6 +196,7 @@ std::optional<ConvexSurface> find_hull(const Points& points, const NoisyPowerCru
     if (is_asked)
         return {};
     check_spans_volume(points);
+    resolve_threads(options.threads); // throws
     return find_convex_surface(points);
 }
 

@@ -50,8 +50,8 @@ class ScanSplitter
 {
 public:
     explicit ScanSplitter(const Points& points)
-        : points_(points), box_(bounding_box(points)), gaps_(find_gaps(points)), block_(std::max(least_block, points.size() / most_blocks + 1)),
-          blocks_((points.size() + block_ - 1) / block_)
+        : points_(points), box_(bounding_box(points)), gaps_(find_gaps(points)),
+          block_(std::max(least_block, points.size() / most_blocks + 1)), blocks_((points.size() + block_ - 1) / block_)
     {
     }
 
@@ -228,7 +228,8 @@ private:
         for (std::size_t k = 0; k < starts; ++k)
         {
             const auto draw = [&](std::size_t axis) { return double(scramble(3 * k + axis) % 1'000) / 1'000; };
-            const Point start = box_.minimum + Vector(draw(0), draw(1), draw(2)).cwiseProduct(box_.maximum - box_.minimum);
+            const Point start =
+                box_.minimum + Vector(draw(0), draw(1), draw(2)).cwiseProduct(box_.maximum - box_.minimum);
             const std::optional<Candidate> found = settle(points, start);
             if (found && (!best || found->deviation < best->deviation))
                 best = found;

@@ -98,11 +98,10 @@ double measure_cover(const Points& points, const std::vector<Scan>& scans, const
     return double(covered) / double(asked);
 }
 
-/// None of one scan, or of what is none.
-Viewpoints find_several(const DistinctRun& run)
+/// None unless they are nearly all.
+Viewpoints take(const std::vector<Scan>& scans, const DistinctRun& run)
 {
-    const std::vector<Scan> scans = split_scans(run.points);
-    if (scans.size() < 2)
+    if (scans.empty())
         return {};
     Points places, seen;
     std::vector<int> from;
@@ -117,6 +116,8 @@ Viewpoints find_several(const DistinctRun& run)
     }
     if (measure_cover(run.points, scans, seen) < nearly_all)
         return {};
+    if (places.size() == 1)
+        return Viewpoints(places[0]);
     for (Point& p : seen)
         p += run.middle;
     return {std::move(places), std::move(seen), std::move(from)};
@@ -161,10 +162,12 @@ std::optional<Point> find_scan_origin(const Points& points)
 Viewpoints find_scan_origins(const Points& points)
 {
     const DistinctRun run(points);
-    if (Viewpoints several = find_several(run); !several.empty())
-        return several;
-    const std::optional<Point> place = choose_place(run.points, find_gaps(run.points));
-    return place ? Viewpoints(run.middle + *place) : Viewpoints();
+    const std::vector<Scan> scans = split_scans(run.points);
+    const Viewpoints found = take(scans, run);
+    if (found.places().size() < 2)
+        if (const std::optional<Point> place = choose_place(run.points, find_gaps(run.points)))
+            return Viewpoints(run.middle + *place);
+    return found;
 }
 
 Viewpoints find_viewpoints(const Points& points, const Points& sorted)

@@ -397,7 +397,7 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
     EXPECT_THROW(reconstruct_amls(plane), InvalidInput);
     int calls = 0;
     const Progress progress([&](double, const std::string&) { return ++calls < 8; });
-    EXPECT_THROW(reconstruct_amls(shapes::sphere(2000, 1, 1).points, {}, progress), Cancelled);
+    EXPECT_THROW(reconstruct_amls(shapes::torus(2000, 1, 0.4, 1).points, {}, progress), Cancelled);
 }
 
 TEST(ReconstructAmls, OfPointsOnTheirHullIsTheHull)
