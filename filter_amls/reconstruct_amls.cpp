@@ -49,6 +49,17 @@ void draw_closings_taut(MeshAttempt& attempt, int threads)
         }
 }
 
+/// Share of the points that the mesh misses, beside those of bodies that were left out, if votes give reason to ask.
+double measure_missed(const Points& points, const MeshAttempt& attempt, int threads, const Progress& progress)
+{
+    const LabelledSamples& found = attempt.found;
+    if (found.labelled.violated_votes <= suspicious_votes)
+        return 0;
+    const Points asked = found.is_exact ? found.samples : found.frame.to_unit(points_at(found.claimed, points));
+    const double noise = found.is_exact ? 0 : attempt.surface.report().most_noise / found.frame.scale();
+    return measure_missed_points(asked, crust_of(attempt), threads, progress, noise) - attempt.dropped.samples;
+}
+
 void report_topology(const AmlsReconstructionOptions& options, AmlsReconstruction& result)
 {
     const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
@@ -114,6 +125,9 @@ AmlsReconstruction reconstruct(const Points& points, const AmlsReconstructionOpt
     draw_closings_taut(attempt, threads);
     check_encloses_volume(crust_of(attempt));
     times.begin("finish");
+    const double missed = measure_missed(points, attempt, threads, progress.part(0.94, 0.95, "points"));
+    if (const std::string text = describe_missed(missed); !text.empty() && result.warnings.empty())
+        result.warnings.push_back(text);
     result.mesh = std::move(attempt.mesh);
     std::vector<char>& is_on_surface = attempt.is_on_surface;
     if (options.open_holes)
