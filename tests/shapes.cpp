@@ -371,6 +371,24 @@ Points spiky_ball(double width, std::uint64_t seed)
     return points;
 }
 
+Points ball_with_hairs(std::uint64_t seed)
+{
+    Points points = sphere(6'000, 1, seed).points;
+    Random random(seed);
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int side : {-1, 1})
+            for (int i = 0; i < 30; ++i)
+            {
+                const double angle = 2 * pi * uniform(random), along = 1 + uniform(random);
+                Point p;
+                p[axis] = side * along;
+                p[(axis + 1) % 3] = 0.02 * std::cos(angle);
+                p[(axis + 2) % 3] = 0.02 * std::sin(angle);
+                points.push_back(p);
+            }
+    return points;
+}
+
 FinnedBall finned_ball(std::uint64_t seed)
 {
     FinnedBall result{sphere(20106, 40, seed), 228};

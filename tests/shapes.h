@@ -79,6 +79,9 @@ recon::Points bored_plate(double thickness, double diameter, std::uint64_t seed)
 /// area.
 recon::Points spiky_ball(double width, std::uint64_t seed);
 
+/// A ball of radius 1, 6,000 random points, and six hairs 1 long, of 30 points each, that no surface can follow.
+recon::Points ball_with_hairs(std::uint64_t seed);
+
 /// A ball of radius 40 and, the last points, a fin of 18 x 12 that stands on it along x and of which one side was seen:
 /// random points, one a unit of area, outward normals.
 struct FinnedBall

@@ -400,6 +400,14 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
     EXPECT_THROW(reconstruct_amls(shapes::torus(2000, 1, 0.4, 1).points, {}, progress), Cancelled);
 }
 
+TEST(ReconstructAmls, SaysThatPointsAreMissed)
+{
+    const Points points = shapes::with_noise(shapes::ball_with_hairs(3), 0.01, 3);
+    EXPECT_TRUE(checks::says(reconstruct_amls(points).warnings, "of the points lie farther"));
+    const Points ball(points.begin(), points.begin() + 6'000);
+    EXPECT_FALSE(checks::says(reconstruct_amls(ball).warnings, "of the points lie farther"));
+}
+
 TEST(ReconstructAmls, OfPointsOnTheirHullIsTheHull)
 {
     Points cube;

@@ -399,6 +399,14 @@ TEST(NoisyPowerCrust, RefusesWhatItCannotUse)
     }
 }
 
+TEST(NoisyPowerCrust, SaysThatPointsAreMissed)
+{
+    const Points points = shapes::with_noise(shapes::ball_with_hairs(3), 0.01, 3);
+    EXPECT_TRUE(checks::says(reconstruct_noisy_power_crust(points).warnings, "of the points lie farther"));
+    const Points ball(points.begin(), points.begin() + 6'000);
+    EXPECT_FALSE(checks::says(reconstruct_noisy_power_crust(ball).warnings, "of the points lie farther"));
+}
+
 TEST(NoisyPowerCrust, OfPointsOnTheirHullIsTheHull)
 {
     Points points; // a rod by the circles at its ends
