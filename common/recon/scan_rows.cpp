@@ -94,6 +94,8 @@ bool sees_all(const Points& points, const Point& place)
     for (std::size_t i = 0; i < points.size(); i += points.size() / most_seen + 1)
     {
         const Vector ray = points[i] - place;
+        if (ray.isZero(0))
+            continue;
         ranges.push_back(ray.norm());
         directions.push_back(ray / ranges.back());
     }

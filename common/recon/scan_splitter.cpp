@@ -61,32 +61,21 @@ public:
         if (candidates_.empty())
             return {};
         std::vector<Run> runs = list_runs(far_less_even * least_of_candidates());
-        for (int k = 0; k < rounds && are_seen_across(runs) && look_at_unknown(runs); ++k)
+        for (int k = 0; k < rounds && are_seen_across(scans_of(runs)) && look_at_unknown(runs); ++k)
             runs = list_runs(far_less_even * least_of_candidates());
         runs = list_runs(uneven);
         for (std::size_t k = 1; k < runs.size(); ++k)
             if (runs[k - 1].candidate >= 0 && runs[k].candidate >= 0)
                 runs[k - 1].end = runs[k].begin = find_change(runs[k - 1], runs[k]);
         std::vector<Scan> scans;
-        for (const Run& run : runs)
-        {
-            if (run.candidate < 0)
-                continue;
-            const auto found = settle(slice(run.begin, run.end), candidates_[std::size_t(run.candidate)].place);
-            if (!found)
-                continue;
-            Scan scan{run.begin, run.end, found->place, 0, 0};
-            count_gaps(scan);
-            if (scans.empty() || !join(scans.back(), scan))
-                scans.push_back(scan);
-        }
-        std::size_t gaps = 0, seen = 0;
-        for (const Scan& scan : scans)
-        {
-            gaps += scan.gaps;
-            seen += scan.seen;
-        }
-        return double(seen) < least_seen * double(gaps) ? std::vector<Scan>() : scans;
+        for (Scan& scan : scans_of(runs))
+            if (const std::optional<Candidate> found = settle(slice(scan.begin, scan.end), scan.place))
+            {
+                scan.place = found->place;
+                if (scans.empty() || !join(scans.back(), scan))
+                    scans.push_back(scan);
+            }
+        return are_seen_across(scans) ? scans : std::vector<Scan>();
     }
 
 private:
@@ -259,38 +248,42 @@ private:
         return best;
     }
 
-    std::pair<std::size_t, std::size_t> gaps_within(std::size_t begin, std::size_t end) const
+    std::vector<Scan> scans_of(const std::vector<Run>& runs) const
     {
-        const auto first = std::lower_bound(gaps_.begin(), gaps_.end(), begin + 1),
-                   last = std::lower_bound(first, gaps_.end(), std::max(end, std::size_t(2)) - 2);
-        return {std::size_t(first - gaps_.begin()), std::size_t(last - gaps_.begin())};
-    }
-    std::size_t count_seen(std::size_t begin, std::size_t end, const Point& place) const
-    {
-        const auto [first, last] = gaps_within(begin, end);
-        std::size_t seen = 0;
-        for (std::size_t g = first; g < last; ++g)
-            seen += sees_across(place, points_, gaps_[g]);
-        return seen;
-    }
-    void count_gaps(Scan& scan) const
-    {
-        const auto [first, last] = gaps_within(scan.begin, scan.end);
-        scan.gaps = last - first;
-        scan.seen = count_seen(scan.begin, scan.end, scan.place);
-    }
-
-    bool are_seen_across(const std::vector<Run>& runs) const
-    {
-        std::size_t gaps = 0, seen = 0;
+        std::vector<Scan> scans;
         for (const Run& run : runs)
             if (run.candidate >= 0)
-            {
-                const auto [first, last] = gaps_within(run.begin, run.end);
-                gaps += last - first;
-                seen += count_seen(run.begin, run.end, candidates_[std::size_t(run.candidate)].place);
-            }
-        return double(seen) >= least_seen * double(gaps);
+                scans.push_back({run.begin, run.end, candidates_[std::size_t(run.candidate)].place});
+        return scans;
+    }
+
+    struct Gaps
+    {
+        std::size_t all = 0, seen = 0; ///< [count]
+    };
+    /// Of a scan, as seen from a place.
+    Gaps count_gaps(const Scan& scan, const Point& place) const
+    {
+        Gaps gaps;
+        for (auto gap = std::lower_bound(gaps_.begin(), gaps_.end(), scan.begin + 1);
+             gap != gaps_.end() && *gap + 2 < scan.end; ++gap)
+        {
+            ++gaps.all;
+            gaps.seen += sees_across(place, points_, *gap);
+        }
+        return gaps;
+    }
+
+    bool are_seen_across(const std::vector<Scan>& scans) const
+    {
+        Gaps sum;
+        for (const Scan& scan : scans)
+        {
+            const Gaps gaps = count_gaps(scan, scan.place);
+            sum.all += gaps.all;
+            sum.seen += gaps.seen;
+        }
+        return double(sum.seen) >= least_seen * double(sum.all);
     }
 
     double measure_median_deviation(const Scan& scan, const Point& place) const
@@ -306,7 +299,7 @@ private:
     bool can_be_from(const Scan& scan, const Point& place) const
     {
         return measure_median_deviation(scan, place) <= as_even * measure_median_deviation(scan, scan.place) &&
-               double(count_seen(scan.begin, scan.end, place)) >= as_seen * double(scan.seen);
+               double(count_gaps(scan, place).seen) >= as_seen * double(count_gaps(scan, scan.place).seen);
     }
 
     /// One of both, if the place of one may be that of the other. \returns whether they are.
@@ -315,10 +308,9 @@ private:
         const bool is_first = can_be_from(next, scan.place), is_next = can_be_from(scan, next.place);
         if (!is_first && !is_next)
             return false;
-        if (!is_first || (is_next && next.seen > scan.seen))
+        if (!is_first || (is_next && count_gaps(next, next.place).seen > count_gaps(scan, scan.place).seen))
             scan.place = next.place;
         scan.end = next.end;
-        count_gaps(scan);
         return true;
     }
 

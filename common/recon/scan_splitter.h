@@ -13,7 +13,6 @@ struct Scan
 {
     std::size_t begin, end; ///< Of the points.
     Point place;            ///< From which they were seen.
-    std::size_t gaps, seen; ///< Gaps among them, and those that are seen across from there [count], see ray_meeting.h.
 };
 
 /// Tells scans that follow each other, each in the order of its rays, from one another. Places are sought where
