@@ -23,7 +23,7 @@ struct Evenness
 Evenness measure_evenness(const Points& points, const Point& place);
 
 /// The place near `place` from which points follow each other most evenly: with noise along the rays it is told far
-/// more sharply than by rays that meet.
+/// more sharply than by rays that meet. Gauss-Newton steps on the relative differences, large ones weighed as Cauchy's.
 Point find_most_even(const Points& points, const Point& place);
 
 /// Whether what is seen next to each other lies at one distance, but for gaps; else there is something in between.
