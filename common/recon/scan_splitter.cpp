@@ -69,12 +69,15 @@ public:
                 runs[k - 1].end = runs[k].begin = find_change(runs[k - 1], runs[k]);
         std::vector<Scan> scans;
         for (Scan& scan : scans_of(runs))
-            if (const std::optional<Candidate> found = settle(slice(scan.begin, scan.end), scan.place))
-            {
-                scan.place = found->place;
-                if (scans.empty() || !join(scans.back(), scan))
-                    scans.push_back(scan);
-            }
+        {
+            const Points points = slice(scan.begin, scan.end);
+            const std::optional<Candidate> found = settle(points, scan.place);
+            if (!found || !sees_all(points, found->place))
+                continue;
+            scan.place = found->place;
+            if (scans.empty() || !join(scans.back(), scan))
+                scans.push_back(scan);
+        }
         return are_seen_across(scans) ? scans : std::vector<Scan>();
     }
 
@@ -98,12 +101,13 @@ private:
         return Points(points_.begin() + std::ptrdiff_t(begin), points_.begin() + std::ptrdiff_t(end));
     }
 
-    bool is_same(const Point& a, const Point& b, std::size_t point) const
+    static bool is_same(const Point& a, const Point& b, const Point& seen)
     {
-        return (a - b).norm() < same * (points_[point] - a).norm();
+        return (a - b).norm() < same * (seen - a).norm();
     }
 
-    /// A place moved to where points are most even, if they are as even as those of a scan from there.
+    /// A place moved to where points are most even, if they are as even as those of a scan from there; that it sees all
+    /// is asked later, for it takes longer.
     static std::optional<Candidate> settle(const Points& points, const Point& start)
     {
         if (points.size() < fewest_points)
@@ -115,18 +119,13 @@ private:
             place = start;
             seen = before;
         }
-        if (seen.share < broken_rows || !sees_all(points, place))
-            return {};
-        return Candidate{place, seen.deviation};
+        return seen.share < broken_rows ? std::nullopt : std::optional(Candidate{place, seen.deviation});
     }
 
-    bool add(const std::optional<Candidate>& found, std::size_t point)
+    bool is_known(const Point& place, const Point& seen) const
     {
-        const auto is_known = [&](const Candidate& other) { return is_same(found->place, other.place, point); };
-        if (!found || std::any_of(candidates_.begin(), candidates_.end(), is_known))
-            return false;
-        candidates_.push_back(*found);
-        return true;
+        return std::any_of(candidates_.begin(), candidates_.end(),
+                           [&](const Candidate& other) { return is_same(place, other.place, seen); });
     }
 
     /// Places where the rays of windows meet.
@@ -140,9 +139,13 @@ private:
                 for (std::size_t g = first; g < end; g += (end - first) / most_gaps + 1)
                     asked.push_back(gaps_[g]);
                 const std::optional<Meeting> meeting = find_meeting(points_, asked, of_windows);
-                if (meeting && meeting->is_sharp() &&
-                    (meeting->has_many() || (meeting->rays >= few_gaps && meeting->share() >= large_part)))
-                    add(settle(slice(gaps_[first], gaps_[end - 1]), meeting->place), gaps_[first]);
+                const auto is_large_part = [&] { return meeting->rays >= few_gaps && meeting->share() >= large_part; };
+                if (!meeting || !meeting->is_sharp() || !(meeting->has_many() || is_large_part()))
+                    continue;
+                const Points points = slice(gaps_[first], gaps_[end - 1]);
+                const std::optional<Candidate> found = settle(points, meeting->place);
+                if (found && !is_known(found->place, points.front()) && sees_all(points, found->place))
+                    candidates_.push_back(*found);
             }
     }
 
@@ -220,10 +223,13 @@ private:
             const Point start =
                 box_.minimum + Vector(draw(0), draw(1), draw(2)).cwiseProduct(box_.maximum - box_.minimum);
             const std::optional<Candidate> found = settle(points, start);
-            if (found && (!best || found->deviation < best->deviation))
+            if (found && (!best || found->deviation < best->deviation) && sees_all(points, found->place))
                 best = found;
         }
-        return add(best, begin);
+        if (!best || is_known(best->place, points.front()))
+            return false;
+        candidates_.push_back(*best);
+        return true;
     }
 
     /// Where, of the blocks about the end of a run, the points begin to be more even as seen by the next.
