@@ -428,6 +428,12 @@ TEST(NoisyPowerCrust, OfPointsOnTheirHullIsTheHull)
     cone.emplace_back(0, 0, 0);
     cone.emplace_back(0, 0, 1);
     EXPECT_NEAR(checks::examine_mesh(reconstruct_noisy_power_crust(cone).mesh).volume, M_PI / 12, 1e-3);
+    Points frustum{{0, 0, 0}, {0, 0, 3}}; // whose crust would bulge
+    for (int i = 0; i < 36; ++i)
+        for (const int r : {1, 2})
+            frustum.emplace_back(r * std::cos(i * M_PI / 18), r * std::sin(i * M_PI / 18), 3 * r - 3);
+    EXPECT_NEAR(checks::examine_mesh(reconstruct_noisy_power_crust(frustum).mesh).volume, 126 * std::sin(M_PI / 18),
+                1e-9);
     NoisyPowerCrustOptions noisy;
     noisy.noise = 0.05;
     EXPECT_FALSE(reconstruct_noisy_power_crust(shapes::sphere(500, 1, 3).points, noisy).is_convex);
