@@ -151,7 +151,6 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
     const ThreadTeam team;
     return hull_or(
         find_hull(points, options), [&] { return reconstruct(points, options, progress); },
-        [](const AmlsReconstruction& found) { return found.vertices_on_surface > 0; },
         [&](ConvexSurface hull) { return take_hull(std::move(hull), options); });
 }
 

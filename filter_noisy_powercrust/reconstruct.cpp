@@ -246,7 +246,6 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     check(options);
     return hull_or(
         find_hull(points, options), [&] { return reconstruct(points, options, progress); },
-        [](const NoisyPowerCrust& crust) { return crust.denoised; },
         [&](ConvexSurface hull) { return take_hull(std::move(hull), options); });
 }
 

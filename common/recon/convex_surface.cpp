@@ -38,10 +38,7 @@ double six_times_volume(const TriangleMesh& mesh)
 {
     double sum = 0;
     for (const Corners& t : mesh.triangles)
-    {
-        const Point& from = mesh.vertices.front(); // not the origin, which may be far
-        sum += (mesh.vertices[t[0]] - from).dot((mesh.vertices[t[1]] - from).cross(mesh.vertices[t[2]] - from));
-    }
+        sum += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]]));
     return sum;
 }
 
@@ -94,12 +91,6 @@ double measure_depth(const Point& p, const TriangleMesh& hull)
 }
 
 } // namespace
-
-bool ConvexSurface::is_exceeded_by(const TriangleMesh& other) const
-{
-    constexpr double by_rounding = 1.001;
-    return six_times_volume(other) > by_rounding * six_times_volume(mesh);
-}
 
 std::optional<ConvexSurface> find_convex_surface(const Points& points)
 {

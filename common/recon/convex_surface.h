@@ -3,7 +3,6 @@
 #include <recon/errors.h>
 #include <recon/geometry.h>
 
-#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -20,9 +19,6 @@ struct ConvexSurface
     /// Whether flat faces have points away from their rims. These may bound a bore; without them nothing else than the
     /// hull goes through all points.
     bool has_points_within_faces = false;
-
-    /// Whether a closed mesh holds more than the hull, so that it goes astray between the points.
-    bool is_exceeded_by(const TriangleMesh& other) const;
 };
 
 /// The convex hull of points that all lie on it: corners of a box, two circles of a cylinder, a cone's circle and tip.
@@ -32,22 +28,20 @@ struct ConvexSurface
 /// than 2,000 and so sampled densely enough to tell by themselves. \pre finite.
 std::optional<ConvexSurface> find_convex_surface(const Points& points);
 
-/// The hull where nothing else goes through all points, where `reconstruct` fails or holds more, or where it took so
-/// few points for noisy that they do not tell noise from a shape; else what that found. \param hull none: there is no
-/// choice. \param is_denoised of a result. \param take makes a result of the hull.
-template <class Reconstruct, class IsDenoised, class Take>
-auto hull_or(std::optional<ConvexSurface> hull, const Reconstruct& reconstruct, const IsDenoised& is_denoised,
-             const Take& take) -> decltype(reconstruct())
+/// What `reconstruct` finds, if that has handles or several parts, as plates with bores have; else the hull, since what
+/// lies deeper than it has no points. \param hull none: there is no choice. \param take makes a result of the hull.
+template <class Reconstruct, class Take>
+auto hull_or(std::optional<ConvexSurface> hull, const Reconstruct& reconstruct, const Take& take)
+    -> decltype(reconstruct())
 {
-    constexpr std::size_t too_few_for_noise = 100;
     if (!hull)
         return reconstruct();
     if (hull->has_points_within_faces)
         try
         {
             auto found = reconstruct();
-            const bool is_doubtful = hull->points.size() < too_few_for_noise && is_denoised(found);
-            if (!is_doubtful && !hull->is_exceeded_by(found.mesh))
+            constexpr int of_a_ball = 2;
+            if (found.euler_characteristic != of_a_ball)
                 return found;
         }
         catch (const AlgorithmFailure&)

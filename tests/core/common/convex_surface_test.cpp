@@ -87,43 +87,39 @@ TEST(ConvexSurface, DiagonalsOfFlatFacesAreFaux)
     EXPECT_DOUBLE_EQ(hull->spacing, (3 + 2 * std::sqrt(2.0) + std::sqrt(2.0)) / 6);
 }
 
-TEST(ConvexSurface, OthersAreTakenUnlessTheyHoldMore)
+TEST(ConvexSurface, OthersAreTakenIfTheyAreNoBall)
 {
     const auto hull = find_convex_surface(cube(2)); // has a point in the middle of each side
     ASSERT_TRUE(hull);
     EXPECT_TRUE(hull->has_points_within_faces);
+    EXPECT_FALSE(find_convex_surface(cube(1))->has_points_within_faces);
     struct Result
     {
-        TriangleMesh mesh;
-        bool is_denoised = false, is_hull = false;
+        int euler_characteristic;
+        bool is_hull;
     };
-    const auto choose = [&](double scale, bool is_denoised)
+    const auto choose = [](const std::optional<ConvexSurface>& from, int euler_characteristic)
     {
         return hull_or(
-            hull,
-            [&]
-            {
-                if (scale == 0)
-                    throw AlgorithmFailure("nothing is inside");
-                Result other{hull->mesh, is_denoised};
-                for (Point& p : other.mesh.vertices)
-                    p = scale * p + Point(1e6, 0, 0);
-                return other;
-            },
-            [](const Result& found) { return found.is_denoised; },
-            [](ConvexSurface taken) {
-                return Result{taken.mesh, false, true};
-            });
+                   from,
+                   [&]
+                   {
+                       if (euler_characteristic == 99)
+                           throw AlgorithmFailure("nothing is inside");
+                       return Result{euler_characteristic, false};
+                   },
+                   [](const ConvexSurface&) {
+                       return Result{2, true};
+                   })
+            .is_hull;
     };
-    EXPECT_FALSE(choose(0.9, false).is_hull);
-    EXPECT_FALSE(choose(1, false).is_hull);
-    EXPECT_TRUE(choose(1.01, false).is_hull);
-    EXPECT_TRUE(choose(0.9, true).is_hull) << "26 points do not tell noise from a shape";
-    EXPECT_TRUE(choose(0, false).is_hull);
-    EXPECT_THROW(hull_or(
-                     std::nullopt, []() -> Result { throw AlgorithmFailure("nothing is inside"); },
-                     [](const Result&) { return false; }, [](ConvexSurface) { return Result(); }),
-                 AlgorithmFailure);
+    for (const int of_others : {0, -10, 4})
+        EXPECT_FALSE(choose(hull, of_others));
+    for (const int of_none : {2, 99})
+        EXPECT_TRUE(choose(hull, of_none));
+    EXPECT_TRUE(choose(find_convex_surface(cube(1)), 0));
+    EXPECT_FALSE(choose({}, 2));
+    EXPECT_THROW(choose({}, 99), AlgorithmFailure);
 }
 
 /// In single precision points within a flat face may lie a little below it.
