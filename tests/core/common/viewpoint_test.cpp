@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 using namespace recon;
@@ -121,6 +122,16 @@ TEST(ScanOrigin, IsNoneOfOtherClouds)
                 range = std::min(range, (ray[axis] < 0 ? Point(-3, -2.5, -1.5) : Point(2.5, 3, 1.3))[axis] / ray[axis]);
             clouds.back().push_back(range * ray);
         }
+    const Points room = clouds.back();
+    for (const Point& p : room) // and another
+        clouds.back().push_back(p + Vector(7, 0, 0));
+    clouds.push_back(room);
+    clouds.emplace_back(); // scans, and much that is none
+    for (const double x : {0, -2})
+        for (const Point& p : shapes::laser_scan(240, 0, true, 3, {x, 0, 0}).points)
+            clouds.back().push_back(p);
+    for (const Point& p : shapes::torus(int(clouds.back().size() / 7), 3, 1, 5).points)
+        clouds.back().push_back(p + Vector(20, 0, 0));
     for (std::size_t k = 0; k < clouds.size(); ++k)
     {
         EXPECT_FALSE(find_scan_origin(clouds[k])) << k;
@@ -131,12 +142,13 @@ TEST(ScanOrigin, IsNoneOfOtherClouds)
 TEST(ScanOrigins, AreFoundOfScansThatFollowEachOther)
 {
     const Points places{{0, 0, 0}, {-2, 1.5, 0.2}, {1, -1.8, -0.3}};
-    for (const double noise : {0.0, 0.01})
+    // With few rays no window tells the place of the second scan.
+    for (const auto& [around, noise] : {std::pair(300, 0.0), std::pair(300, 0.01), std::pair(200, 0.01)})
     {
         OrientedSamples scans;
         for (const Point& place : places)
         {
-            const OrientedSamples scan = shapes::laser_scan(300, noise, true, 3, place);
+            const OrientedSamples scan = shapes::laser_scan(around, noise, true, 3, place);
             scans.points.insert(scans.points.end(), scan.points.begin(), scan.points.end());
             scans.normals.insert(scans.normals.end(), scan.normals.begin(), scan.normals.end());
         }
@@ -153,7 +165,7 @@ TEST(ScanOrigins, AreFoundOfScansThatFollowEachOther)
                 const Viewpoints found = find_scan_origins(in_order);
                 ASSERT_EQ(found.places().size(), places.size()) << noise << is_reversed;
                 for (std::size_t k = 0; k < places.size(); ++k)
-                    EXPECT_LT((found.places()[k] - expected[k]).norm(), 0.02) << noise << is_reversed;
+                    EXPECT_LT((found.places()[k] - expected[k]).norm(), 0.1) << noise << is_reversed;
                 int facing = 0;
                 for (std::size_t i = 0; i < points.size(); ++i)
                     facing += (pose.turn * scans.normals[i]).dot(found.of(points[i]) - points[i]) > 0;
