@@ -15,6 +15,7 @@
 #include <recon/viewpoint.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace recon
@@ -50,44 +51,32 @@ void draw_closings_taut(MeshAttempt& attempt, int threads)
 }
 
 /// Share of the points that the mesh misses, beside those of bodies that were left out, if votes give reason to ask.
-double measure_missed(const Points& points, const MeshAttempt& attempt, int threads, const Progress& progress)
+double measure_missed(const Points& points, const MeshAttempt& attempt, const TriangleMesh& crust, int threads,
+                      const Progress& progress)
 {
     const LabelledSamples& found = attempt.found;
     if (found.labelled.violated_votes <= suspicious_votes)
         return 0;
     const Points asked = found.is_exact ? found.samples : found.frame.to_unit(points_at(found.claimed, points));
     const double noise = found.is_exact ? 0 : attempt.surface.report().most_noise / found.frame.scale();
-    return measure_missed_points(asked, crust_of(attempt), threads, progress, noise) - attempt.dropped.samples;
-}
-
-void report_topology(const AmlsReconstructionOptions& options, AmlsReconstruction& result)
-{
-    const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
-    result.components = topology.components;
-    result.boundary_loops = topology.boundary_loops;
-    result.euler_characteristic = topology.euler_characteristic;
-    result.genus = topology.genus();
+    return measure_missed_points(asked, crust, threads, progress, noise) - attempt.dropped.samples;
 }
 
 /// Unless something is asked for that the hull has not.
 std::optional<ConvexSurface> find_hull(const Points& points, const AmlsReconstructionOptions& options)
 {
-    if (options.noise != 0 || options.rho_e != 0 || options.open_holes)
+    if (options.noise != 0 || options.rho_e != 0 || options.open_holes || points.size() > most_points_on_hull)
         return {};
     check_spans_volume(points);
     resolve_threads(options.threads); // throws
     return find_convex_surface(points);
 }
 
-AmlsReconstruction take_hull(ConvexSurface hull, const AmlsReconstructionOptions& options)
+AmlsReconstruction take_hull(ConvexSurface hull)
 {
-    AmlsReconstruction result;
-    result.mesh = std::move(hull.mesh);
-    result.nearest_sample = std::move(hull.points);
-    result.samples = int(result.mesh.vertices.size());
-    result.surface.spacing = hull.spacing;
-    result.is_convex = true;
-    report_topology(options, result);
+    const double spacing = hull.spacing;
+    AmlsReconstruction result = result_of<AmlsReconstruction>(std::move(hull));
+    result.surface.spacing = spacing;
     return result;
 }
 
@@ -123,9 +112,10 @@ AmlsReconstruction reconstruct(const Points& points, const AmlsReconstructionOpt
             " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
     times.begin("closing");
     draw_closings_taut(attempt, threads);
-    check_encloses_volume(crust_of(attempt));
+    const TriangleMesh crust = crust_of(attempt);
+    check_encloses_volume(crust);
     times.begin("finish");
-    const double missed = measure_missed(points, attempt, threads, progress.part(0.94, 0.95, "points"));
+    const double missed = measure_missed(points, attempt, crust, threads, progress.part(0.94, 0.95, "points"));
     if (const std::string text = describe_missed(missed); !text.empty() && result.warnings.empty())
         result.warnings.push_back(text);
     result.mesh = std::move(attempt.mesh);
@@ -137,7 +127,11 @@ AmlsReconstruction reconstruct(const Points& points, const AmlsReconstructionOpt
     result.nearest_sample.resize(result.mesh.vertices.size());
     parallel_for(result.mesh.vertices.size(), threads, progress.part(0.97, 1, "nearest points"),
                  [&](std::size_t v) { result.nearest_sample[v] = search.nearest(result.mesh.vertices[v]); });
-    report_topology(options, result);
+    const Topology topology = options.open_holes ? measure_topology(result.mesh) : measure_closed_topology(result.mesh);
+    result.components = topology.components;
+    result.boundary_loops = topology.boundary_loops;
+    result.euler_characteristic = topology.euler_characteristic;
+    result.genus = topology.genus();
     times.end();
     result.seconds = times.seconds();
     return result;
@@ -150,8 +144,7 @@ AmlsReconstruction reconstruct_amls(const Points& points, const AmlsReconstructi
 {
     const ThreadTeam team;
     return hull_or(
-        find_hull(points, options), [&] { return reconstruct(points, options, progress); },
-        [&](ConvexSurface hull) { return take_hull(std::move(hull), options); });
+        find_hull(points, options), [&] { return reconstruct(points, options, progress); }, take_hull);
 }
 
 } // namespace recon

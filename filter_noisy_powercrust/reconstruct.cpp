@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace recon
@@ -193,23 +194,20 @@ std::optional<ConvexSurface> find_hull(const Points& points, const NoisyPowerCru
 {
     const bool is_asked = options.denoise == Denoise::on || options.noise > 0 || options.ball_threshold > 0 ||
                           options.deep_intersection > 0 || options.open_holes || options.trim_length > 0;
-    if (is_asked)
+    if (is_asked || points.size() > most_points_on_hull)
         return {};
     check_spans_volume(points);
     resolve_threads(options.threads); // throws
     return find_convex_surface(points);
 }
 
-NoisyPowerCrust take_hull(ConvexSurface hull, const NoisyPowerCrustOptions& options)
+NoisyPowerCrust take_hull(ConvexSurface hull)
 {
-    NoisyPowerCrust result;
-    result.mesh = std::move(hull.mesh);
-    result.nearest_sample = std::move(hull.points);
-    result.points_used = result.samples = int(result.mesh.vertices.size());
-    result.spacing = hull.spacing;
-    result.is_convex = true;
+    const double spacing = hull.spacing;
+    NoisyPowerCrust result = result_of<NoisyPowerCrust>(std::move(hull));
+    result.points_used = result.samples;
+    result.spacing = spacing;
     result.cleanness = 1;
-    report_topology(options, result);
     return result;
 }
 
@@ -245,8 +243,7 @@ NoisyPowerCrust reconstruct_noisy_power_crust(const Points& points, const NoisyP
     const ThreadTeam team;
     check(options);
     return hull_or(
-        find_hull(points, options), [&] { return reconstruct(points, options, progress); },
-        [&](ConvexSurface hull) { return take_hull(std::move(hull), options); });
+        find_hull(points, options), [&] { return reconstruct(points, options, progress); }, take_hull);
 }
 
 } // namespace recon

@@ -88,4 +88,16 @@ OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t
     return scan;
 }
 
+OrientedSamples laser_scans(int around, double noise, bool in_room, std::uint64_t seed, const recon::Points& places)
+{
+    OrientedSamples scans;
+    for (const Point& place : places)
+    {
+        const OrientedSamples scan = laser_scan(around, noise, in_room, seed, place);
+        scans.points.insert(scans.points.end(), scan.points.begin(), scan.points.end());
+        scans.normals.insert(scans.normals.end(), scan.normals.begin(), scan.normals.end());
+    }
+    return scans;
+}
+
 } // namespace shapes

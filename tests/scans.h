@@ -20,4 +20,8 @@ recon::OrientedSamples depth_frame(int columns, double step, std::uint64_t seed)
 recon::OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed,
                                   const recon::Point& place = recon::Point::Zero());
 
+/// Such scans from several places, one after the other.
+recon::OrientedSamples laser_scans(int around, double noise, bool in_room, std::uint64_t seed,
+                                   const recon::Points& places);
+
 } // namespace shapes

@@ -28,19 +28,10 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<int, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<
     Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>>;
 
-constexpr std::size_t most_points = 2'000;
 /// As far as single precision moves points off a face [diagonal].
 constexpr double rounding = 1e-6;
 
 using Corners = std::array<int, 3>;
-
-double six_times_volume(const TriangleMesh& mesh)
-{
-    double sum = 0;
-    for (const Corners& t : mesh.triangles)
-        sum += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]]));
-    return sum;
-}
 
 /// Edges within a flat face are diagonals. \param deep what still counts as flat.
 void mark_diagonals(TriangleMesh& hull, double deep)
@@ -94,7 +85,7 @@ double measure_depth(const Point& p, const TriangleMesh& hull)
 
 std::optional<ConvexSurface> find_convex_surface(const Points& points)
 {
-    if (points.size() < 4 || points.size() > most_points)
+    if (points.size() < 4 || points.size() > most_points_on_hull)
         return {};
     const UnitFrame frame(points);
     std::vector<std::pair<Kernel::Point_3, int>> numbered;
@@ -115,7 +106,7 @@ std::optional<ConvexSurface> find_convex_surface(const Points& points)
     {
         const int infinite = cell->index(delaunay.infinite_vertex());
         Corners corners;
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 3; ++k) // counter-clockwise as seen from the infinite vertex
         {
             const int i = cell->vertex(Delaunay::vertex_triple_index(infinite, k))->info();
             if (vertex_of[std::size_t(i)] < 0)
@@ -128,9 +119,6 @@ std::optional<ConvexSurface> find_convex_surface(const Points& points)
         }
         hull.triangles.push_back(corners);
     }
-    if (six_times_volume(hull) < 0)
-        for (Corners& t : hull.triangles)
-            std::swap(t[1], t[2]);
     const double deep = rounding * bounding_box(hull.vertices).diagonal();
     for (auto v = delaunay.finite_vertices_begin(); v != delaunay.finite_vertices_end(); ++v)
         if (vertex_of[std::size_t(v->info())] < 0)

@@ -3,6 +3,7 @@
 #include <recon/errors.h>
 #include <recon/geometry.h>
 
+#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -21,11 +22,14 @@ struct ConvexSurface
     bool has_points_within_faces = false;
 };
 
+/// More points are sampled densely enough to tell by themselves [count].
+inline constexpr std::size_t most_points_on_hull = 2'000;
+
 /// The convex hull of points that all lie on it: corners of a box, two circles of a cylinder, a cone's circle and tip.
 /// Few and even as these are, polar balls say little of them, or are all the same; the hull is what they bound. Points
 /// within a millionth of the diagonal below it count. \returns it with all points on it for vertices, flat
 /// faces' included, but those a little below. None if a point lies inside, if they do not span a volume, or are more
-/// than 2,000 and so sampled densely enough to tell by themselves. \pre finite.
+/// than most_points_on_hull. \pre finite.
 std::optional<ConvexSurface> find_convex_surface(const Points& points);
 
 /// What `reconstruct` finds, if that has handles or several parts, as plates with bores have; else the hull, since what
@@ -50,7 +54,21 @@ auto hull_or(std::optional<ConvexSurface> hull, const Reconstruct& reconstruct, 
     return take(std::move(*hull));
 }
 
+/// What either reconstruction says of a hull.
+template <class Result>
+Result result_of(ConvexSurface hull)
+{
+    Result result;
+    result.mesh = std::move(hull.mesh);
+    result.nearest_sample = std::move(hull.points);
+    result.samples = int(result.mesh.vertices.size());
+    result.components = 1;
+    result.euler_characteristic = 2;
+    result.is_convex = true;
+    return result;
+}
+
 /// What to tell the user then.
-constexpr const char* convex_text = "All points lie on their convex hull: the surface is that hull.";
+inline constexpr char convex_text[] = "All points lie on their convex hull: the surface is that hull.";
 
 } // namespace recon

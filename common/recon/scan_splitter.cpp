@@ -49,8 +49,8 @@ constexpr double same = 0.02;
 class ScanSplitter
 {
 public:
-    explicit ScanSplitter(const Points& points)
-        : points_(points), box_(bounding_box(points)), gaps_(find_gaps(points)),
+    ScanSplitter(const Points& points, const std::vector<std::size_t>& gaps)
+        : points_(points), box_(bounding_box(points)), gaps_(gaps),
           block_(std::max(least_block, points.size() / most_blocks + 1)), blocks_((points.size() + block_ - 1) / block_)
     {
     }
@@ -322,16 +322,16 @@ private:
 
     const Points& points_;
     Box box_;
-    std::vector<std::size_t> gaps_;
+    const std::vector<std::size_t>& gaps_;
     std::size_t block_, blocks_; ///< Points in a block, and blocks [count].
     std::vector<Candidate> candidates_;
 };
 
 } // namespace
 
-std::vector<Scan> split_scans(const Points& points)
+std::vector<Scan> split_scans(const Points& points, const std::vector<std::size_t>& gaps)
 {
-    return points.size() < fewest_points ? std::vector<Scan>() : ScanSplitter(points).split();
+    return points.size() < fewest_points ? std::vector<Scan>() : ScanSplitter(points, gaps).split();
 }
 
 } // namespace recon

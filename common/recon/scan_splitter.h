@@ -18,7 +18,8 @@ struct Scan
 /// Tells scans that follow each other, each in the order of its rays, from one another. Places are sought where
 /// rays of ever smaller windows meet, and, if any is found, where points that none of them explains follow each other
 /// most evenly. Points then go to the place from which they do that best, neighbours to the same one. Scans whose place
-/// is not found are left out. \pre finite; neighbours differ; near the origin. Serial.
-std::vector<Scan> split_scans(const Points& points);
+/// is not found are left out. \param gaps of the points, see ray_meeting.h. \pre finite; neighbours differ; near the
+/// origin. Serial.
+std::vector<Scan> split_scans(const Points& points, const std::vector<std::size_t>& gaps);
 
 } // namespace recon

@@ -1,6 +1,7 @@
 #include <recon/viewpoint.h>
 
 #include <recon/depth_image.h>
+#include <recon/neighbours.h>
 #include <recon/ray_meeting.h>
 #include <recon/scan_rows.h>
 #include <recon/scan_splitter.h>
@@ -125,10 +126,15 @@ Viewpoints take(const std::vector<Scan>& scans, const DistinctRun& run)
 
 } // namespace
 
-Viewpoints::Seen::Seen(Points seen, std::vector<int> seen_from)
-    : points(std::move(seen)), from(std::move(seen_from)), search(points)
+struct Viewpoints::Seen
 {
-}
+    Seen(Points seen, std::vector<int> seen_from) : points(std::move(seen)), from(std::move(seen_from)), search(points)
+    {
+    }
+    const Points points;
+    const std::vector<int> from;
+    const NeighbourSearch search; ///< Of the points.
+};
 
 Viewpoints::Viewpoints(Points places, Points seen, std::vector<int> seen_from)
     : places_(std::move(places)), seen_(std::make_shared<Seen>(std::move(seen), std::move(seen_from)))
@@ -162,10 +168,10 @@ std::optional<Point> find_scan_origin(const Points& points)
 Viewpoints find_scan_origins(const Points& points)
 {
     const DistinctRun run(points);
-    const std::vector<Scan> scans = split_scans(run.points);
-    const Viewpoints found = take(scans, run);
+    std::vector<std::size_t> gaps = find_gaps(run.points);
+    const Viewpoints found = take(split_scans(run.points, gaps), run);
     if (found.places().size() < 2)
-        if (const std::optional<Point> place = choose_place(run.points, find_gaps(run.points)))
+        if (const std::optional<Point> place = choose_place(run.points, std::move(gaps)))
             return Viewpoints(run.middle + *place);
     return found;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <recon/geometry.h>
-#include <recon/neighbours.h>
 
 #include <memory>
 #include <optional>
@@ -29,13 +28,7 @@ public:
     Viewpoints in(const UnitFrame& frame) const;
 
 private:
-    struct Seen
-    {
-        Seen(Points seen, std::vector<int> seen_from);
-        const Points points;
-        const std::vector<int> from;
-        const NeighbourSearch search; ///< Of the points.
-    };
+    struct Seen;
     Points places_;
     std::shared_ptr<const Seen> seen_; ///< Where there are several.
 };

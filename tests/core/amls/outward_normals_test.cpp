@@ -293,13 +293,7 @@ TEST(OutwardNormals, OfSeveralScansFaceTheScannerOfEach)
 {
     for (const bool in_room : {false, true})
     {
-        OrientedSamples scans;
-        for (const Point& place : {Point(1.5, 2, 0.5), Point(-1, 1.5, 0.2)})
-        {
-            const OrientedSamples scan = shapes::laser_scan(300, 0.005, in_room, 4, place);
-            scans.points.insert(scans.points.end(), scan.points.begin(), scan.points.end());
-            scans.normals.insert(scans.normals.end(), scan.normals.begin(), scan.normals.end());
-        }
+        const OrientedSamples scans = shapes::laser_scans(300, 0.005, in_room, 4, {{1.5, 2, 0.5}, {-1, 1.5, 0.2}});
         const OutwardNormals found = find_outward_normals(scans.points);
         EXPECT_EQ(found.surface.seen_from.size(), 2) << in_room;
         EXPECT_GT(checks::share_facing(found.normals, scans.normals), 0.98) << in_room;

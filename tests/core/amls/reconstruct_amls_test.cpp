@@ -2,6 +2,7 @@
 
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"
+#include "tests/missed_points.h"
 #include "tests/open_sheets.h"
 #include "tests/shapes.h"
 
@@ -403,10 +404,7 @@ TEST(ReconstructAmls, RefusesFlatInputAndStopsWhenAsked)
 
 TEST(ReconstructAmls, SaysThatPointsAreMissed)
 {
-    const Points points = shapes::with_noise(shapes::ball_with_hairs(3), 0.01, 3);
-    EXPECT_TRUE(checks::says(reconstruct_amls(points).warnings, "of the points lie farther"));
-    const Points ball(points.begin(), points.begin() + 6'000);
-    EXPECT_FALSE(checks::says(reconstruct_amls(ball).warnings, "of the points lie farther"));
+    checks::expect_a_word_on_missed_points([](const Points& points) { return reconstruct_amls(points); });
 }
 
 TEST(ReconstructAmls, OfPointsOnTheirHullIsTheHull)

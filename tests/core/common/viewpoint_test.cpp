@@ -127,9 +127,7 @@ TEST(ScanOrigin, IsNoneOfOtherClouds)
         clouds.back().push_back(p + Vector(7, 0, 0));
     clouds.push_back(room);
     clouds.emplace_back(); // scans, and much that is none
-    for (const double x : {0, -2})
-        for (const Point& p : shapes::laser_scan(240, 0, true, 3, {x, 0, 0}).points)
-            clouds.back().push_back(p);
+    clouds.back() = shapes::laser_scans(240, 0, true, 3, {{0, 0, 0}, {-2, 0, 0}}).points;
     for (const Point& p : shapes::torus(int(clouds.back().size() / 7), 3, 1, 5).points)
         clouds.back().push_back(p + Vector(20, 0, 0));
     for (std::size_t k = 0; k < clouds.size(); ++k)
@@ -145,13 +143,7 @@ TEST(ScanOrigins, AreFoundOfScansThatFollowEachOther)
     // With few rays no window tells the place of the second scan.
     for (const auto& [around, noise] : {std::pair(300, 0.0), std::pair(300, 0.01), std::pair(200, 0.01)})
     {
-        OrientedSamples scans;
-        for (const Point& place : places)
-        {
-            const OrientedSamples scan = shapes::laser_scan(around, noise, true, 3, place);
-            scans.points.insert(scans.points.end(), scan.points.begin(), scan.points.end());
-            scans.normals.insert(scans.normals.end(), scan.normals.begin(), scan.normals.end());
-        }
+        const OrientedSamples scans = shapes::laser_scans(around, noise, true, 3, places);
         for (const Pose& pose : poses)
             for (const bool is_reversed : {false, true})
             {
