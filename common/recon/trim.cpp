@@ -152,10 +152,9 @@ void turn_parts(TriangleMesh& mesh, const Viewpoints& viewpoints)
             centres.push_back(centre_of(mesh, t));
             normals.push_back((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a));
         }
-        if (!(!viewpoints.empty() ? faces_away(viewpoints, centres, normals) : is_upside_down(centres, normals)))
-            continue;
-        for (const int i : part)
-            turn(mesh, i);
+        if (viewpoints.empty() ? is_upside_down(centres, normals) : faces_away(viewpoints, centres, normals))
+            for (const int i : part)
+                turn(mesh, i);
     }
 }
 
