@@ -184,20 +184,26 @@ struct PointsAsTheyAre
 /// label_plain labels of the points without these.
 std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_are,
                                                 const std::function<const LabelledBalls&()>& label_plain,
-                                                const BallLabellingOptions& labelling, PhaseTimes& times,
-                                                const Progress& progress)
+                                                bool are_exact, const BallLabellingOptions& labelling,
+                                                PhaseTimes& times, const Progress& progress)
 {
-    times.begin("flat faces");
-    FlatFaceOptions options;
-    options.threads = labelling.threads;
-    const FlatCompletion completion =
-        complete_flats(as_they_are.distinct, options, progress.part(0, 0.2, "flat faces"));
-    if (completion.points.empty())
+    std::optional<FlatCompletion> completion;
+    const auto complete = [&]
+    {
+        times.begin("flat faces");
+        FlatFaceOptions options;
+        options.threads = labelling.threads;
+        if (!completion)
+            completion = complete_flats(as_they_are.distinct, options, progress.part(0, 0.2, "flat faces"));
+        return *completion;
+    };
+    // Else such faces are what says that the points are exact, and plain labels are of no other use.
+    if (!are_exact && complete().points.empty())
         return {};
     const auto label = [&](const Points& samples)
     { return label_polar_balls(samples, {}, labelling, times, progress.part(0.2, 1, "polar balls")); };
     std::optional<LabelledFlats> found =
-        label_with_flats(as_they_are.distinct, completion, label_plain().violated_votes, label);
+        label_with_flats(as_they_are.distinct, complete, label_plain().violated_votes, label);
     if (!found)
         return {};
     LabelledSamples result{as_they_are.frame, std::move(found->samples), std::move(found->labelled),
@@ -226,9 +232,10 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
                          : label_polar_balls(distinct, {}, labelling, times, progress.part(0.1, 0.5, "polar balls"));
         return *plain;
     };
-    if (auto flats = label_bare_flats(as_they_are, label_plain, labelling, times, progress.part(0, 0.1)))
+    const bool are_exact = looks_exact(as_they_are.cleanness, report.least_noise);
+    if (auto flats = label_bare_flats(as_they_are, label_plain, are_exact, labelling, times, progress.part(0, 0.1)))
         return flats;
-    if (!looks_exact(as_they_are.cleanness, report.least_noise))
+    if (!are_exact)
         return {};
     std::optional<Vectors> known; // asked for up to three times
     const auto list_normals = [&](const Progress& part)

@@ -41,7 +41,10 @@ LabelledCloud Attempts::label_fine(PreparedSamples cloud, double most_violated, 
     cloud.normals.clear();
     cloud.surface.reset();
     if (cloud.denoised)
-        cloud.completion = {}; // on projected samples
+    {
+        cloud.completion.reset(); // on projected samples
+        cloud.may_have_flats = false;
+    }
     cloud.denoised = cloud.is_noisy = false;
     cloud.outliers = cloud.isolated;
     return label(std::move(cloud), BallLimit::fine, progress, most_violated);

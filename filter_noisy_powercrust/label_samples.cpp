@@ -91,11 +91,12 @@ void judge(CompletedFlats& flats, const PreparedSamples& cloud, double noise, in
 
 using Label = std::function<LabelledBalls(const Points& samples, const Vectors& normals)>;
 
-std::optional<CompletedFlats> complete_exact(const PreparedSamples& cloud, const LabelledBalls& plain,
-                                             const Label& label)
+std::optional<CompletedFlats> complete_exact(PreparedSamples& cloud, const LabelledBalls& plain, const Label& label,
+                                             PhaseTimes& times, int threads, const Progress& progress)
 {
-    std::optional<LabelledFlats> found = label_with_flats(cloud.samples, cloud.completion, plain.violated_votes,
-                                                          [&](const Points& samples) { return label(samples, {}); });
+    std::optional<LabelledFlats> found = label_with_flats(
+        cloud.samples, [&] { return cloud.complete(times, threads, progress); }, plain.violated_votes,
+        [&](const Points& samples) { return label(samples, {}); });
     if (!found)
         return {};
     return CompletedFlats{{std::move(found->samples), {}, found->added}, std::move(found->labelled)};
@@ -171,10 +172,11 @@ LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& l
         }
     }
     const Label label_completed = [&](const Points& samples, const Vectors& normals)
-    { return label(samples, normals, 0.6, 1); };
+    { return label(samples, normals, 0.65, 1); };
     std::optional<CompletedFlats> best = cloud.denoised
                                              ? complete_noisy(cloud, plain, labelling, label_completed, times)
-                                             : complete_exact(cloud, plain, label_completed);
+                                             : complete_exact(cloud, plain, label_completed, times, labelling.threads,
+                                                              progress.part(0.6, 0.65, "flat faces"));
     if (!best)
         return {std::move(cloud), std::move(plain)};
     cloud.samples = std::move(best->completion.samples);

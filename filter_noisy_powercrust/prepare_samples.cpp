@@ -51,6 +51,18 @@ void PreparedSamples::leave_out(const std::vector<int>& ones, const Points& poin
     choose_frame(points_at(order, points), points);
 }
 
+const FlatCompletion& PreparedSamples::complete(PhaseTimes& times, int threads, const Progress& progress)
+{
+    if (!completion)
+    {
+        times.begin("flat faces");
+        FlatFaceOptions exactly_flat;
+        exactly_flat.threads = threads;
+        completion = may_have_flats ? complete_flats(distinct, exactly_flat, progress) : FlatCompletion{};
+    }
+    return *completion;
+}
+
 const AmlsSurface& LatestSurface::find(const Points& points, const Points& sorted,
                                        const SamplePreparationOptions& options, const Progress& progress)
 {
@@ -94,23 +106,18 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     result.cleanness = cleanness.share();
     // All points of a step lie in a plane, but for noise that the others tell.
     const bool has_steps = options.denoise == Denoise::automatic && find_coarse_depth_camera(sorted);
-    // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however coarse.
-    if (options.denoise == Denoise::automatic && options.noise == 0 && !has_steps)
+    result.may_have_flats = options.denoise == Denoise::automatic && options.noise == 0 && !has_steps;
+    result.is_noisy = has_steps || cleanness.is_noisy_in_parts();
+    if (!result.is_noisy)
     {
-        times.begin("flat faces");
-        FlatFaceOptions exactly_flat;
-        exactly_flat.threads = threads;
-        result.completion = complete_flats(result.distinct, exactly_flat, progress.part(0, 0.1));
-    }
-    const bool is_noisy_in_parts = cleanness.is_noisy_in_parts();
-    const bool is_exact = !is_noisy_in_parts && !result.completion.points.empty();
-    times.begin("gate");
-    result.is_noisy = has_steps || is_noisy_in_parts || (!cleanness.is_clean() && !is_exact);
-    if (!result.is_noisy && !is_exact)
-    {
-        result.is_doubtful = cleanness.is_doubtful();
-        result.is_noisy = cleanness.is_smooth_but_noisy() || result.is_doubtful ||
-                          (options.finds_any_noise && cleanness.is_hardly_noisy());
+        const bool is_clean = cleanness.is_clean();
+        const bool is_doubted = !is_clean || cleanness.is_smooth_but_noisy() || cleanness.is_doubtful() ||
+                                (options.finds_any_noise && cleanness.is_hardly_noisy());
+        // Noise leaves no plane to a hundredth of the spacing, so faces found there speak for clean points, however
+        // coarse.
+        result.is_noisy = is_doubted && result.complete(times, threads, progress.part(0, 0.1)).points.empty();
+        result.is_doubtful = result.is_noisy && is_clean && cleanness.is_doubtful();
+        times.begin("gate");
     }
     result.noise = options.noise > 0 ? options.noise : cleanness.noise * result.frame.scale();
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);

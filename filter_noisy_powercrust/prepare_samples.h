@@ -66,8 +66,11 @@ struct PreparedSamples
     int isolated = 0;                   ///< Points of a cloud that looks clean which lie alone: `order` lacks them.
     int outliers = 0;                   ///< Points left out, these and those that denoising dropped [count].
     std::vector<int> claimed;           ///< The distinct points that are no outliers, if denoised.
-    FlatCompletion completion;          ///< Of bare flat faces that are exactly flat; not among the samples.
-    double noise = 0;                   ///< Standard deviation, given or estimated [input units].
+    bool may_have_flats = false;        ///< Whether bare faces that are exactly flat are to be sought.
+    std::optional<FlatCompletion> completion; ///< Of these, once sought; not among the samples.
+    /// Seeks them, unless that was done. \throws Cancelled.
+    const FlatCompletion& complete(PhaseTimes& times, int threads, const Progress& progress = {});
+    double noise = 0; ///< Standard deviation, given or estimated [input units].
 };
 
 /// Sorts the points, tells whether they are noisy, and if so projects them onto their AMLS surface and thins them.

@@ -23,8 +23,10 @@ struct LabelledFlats
 };
 
 /// Labels of exact samples with their bare flat faces completed; then, if votes are clearly for it, with all walls,
-/// too. None if votes are for neither. \param violated share of votes that the labels without these violate.
-std::optional<LabelledFlats> label_with_flats(const Points& samples, const FlatCompletion& completion, double violated,
+/// too. None if votes are for neither, or if so few are violated without that no face can be missing.
+/// \param complete asked only if one can. \param violated share of votes that the labels without these violate.
+std::optional<LabelledFlats> label_with_flats(const Points& samples, const std::function<FlatCompletion()>& complete,
+                                              double violated,
                                               const std::function<LabelledBalls(const Points&)>& label);
 
 } // namespace recon

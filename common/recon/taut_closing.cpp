@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -142,25 +143,29 @@ class TautMesh
 {
 public:
     TautMesh(const TriangleMesh& mesh, std::vector<char> is_free, int threads)
-        : places(mesh.vertices), mesh_(mesh), cuts_(mesh, is_free, threads), cuts_before_(cuts_.count(mesh.vertices)),
+        : places(mesh.vertices), mesh_(mesh), cuts_(mesh, is_free, threads), cut_before_(cuts_.list(mesh.vertices)),
           way_(mesh.vertices.size(), Vector::Zero()), share_(is_free.begin(), is_free.end()),
           is_free_(std::move(is_free))
     {
     }
 
-    /// \returns whether something is cut that was not; then all its vertices are held nearer to where they were.
+    /// \returns whether triangles cut each other that did not; then the vertices of both are held nearer to where they
+    /// were.
     bool draw_and_hold_back()
     {
         draw_taut(places, mesh_, is_free_);
-        const std::vector<int> cuts = cuts_.count(places);
+        const std::vector<std::pair<int, int>> cut = cuts_.list(places);
+        std::vector<std::pair<int, int>> added;
+        std::set_difference(cut.begin(), cut.end(), cut_before_.begin(), cut_before_.end(), std::back_inserter(added));
         std::vector<char> is_cut(places.size(), 0);
-        for (std::size_t i = 0; i < cuts.size(); ++i)
-            for (const int v : mesh_.triangles[cuts_.moving()[i]])
-                is_cut[v] = is_cut[v] || cuts[i] > cuts_before_[i];
+        for (const auto& [a, b] : added)
+            for (const int t : {a, b})
+                for (const int v : mesh_.triangles[t])
+                    is_cut[v] = 1;
         for (std::size_t v = 0; v < places.size(); ++v)
             if (is_cut[v] && share_[v] > 0)
                 hold_back(v);
-        return std::count(is_cut.begin(), is_cut.end(), 1) > 0;
+        return !added.empty();
     }
 
     Points places;
@@ -179,7 +184,7 @@ private:
 
     const TriangleMesh& mesh_;
     TriangleCuts cuts_;
-    std::vector<int> cuts_before_;
+    std::vector<std::pair<int, int>> cut_before_;
     Vectors way_;               ///< Per vertex: to where it was taut when it was first held back.
     std::vector<double> share_; ///< Per vertex: of that way.
     std::vector<char> is_free_;

@@ -4,6 +4,7 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
+#include <algorithm>
 #include <array>
 
 namespace recon
@@ -70,35 +71,50 @@ TriangleCuts::TriangleCuts(const TriangleMesh& mesh, const std::vector<char>& ma
             moving_corners_.push_back(mesh.triangles[t]);
         }
         else
+        {
+            held_triangles_.push_back(int(t));
             held_corners_.push_back(mesh.triangles[t]);
+        }
     }
     held_ = std::make_unique<TriangleTree>(mesh.vertices, held_corners_);
 }
 
-std::vector<int> TriangleCuts::count(const Points& places) const
+std::vector<std::pair<int, int>> TriangleCuts::list(const Points& places) const
 {
     const TriangleTree moved(places, moving_corners_);
-    std::vector<std::vector<int>> met(moving_.size()); // each pair of moving ones once
-    std::vector<int> result(moving_.size(), 0);
-    parallel_for(moving_.size(), threads_, {},
-                 [&](std::size_t i)
-                 {
-                     const Corners& own = moving_corners_[i];
-                     const Box box = bounding_box({places[own[0]], places[own[1]], places[own[2]]});
-                     held_->visit_near(box, [&](int k) { result[i] += cross(own, held_corners_[k], places); });
-                     moved.visit_near(box,
-                                      [&](int k)
-                                      {
-                                          if (std::size_t(k) > i && cross(own, moving_corners_[k], places))
-                                              met[i].push_back(k);
-                                      });
-                 });
-    for (std::size_t i = 0; i < met.size(); ++i)
-        for (const int k : met[i])
+    std::vector<std::pair<int, int>> result = parallel_collect<std::pair<int, int>>(
+        moving_.size(), threads_, {},
+        [&](std::size_t i, std::vector<std::pair<int, int>>& met)
         {
-            ++result[i];
-            ++result[k];
-        }
+            const Corners& own = moving_corners_[i];
+            const Box box = bounding_box({places[own[0]], places[own[1]], places[own[2]]});
+            held_->visit_near(box,
+                              [&](int k)
+                              {
+                                  if (cross(own, held_corners_[k], places))
+                                      met.push_back(std::minmax(moving_[i], held_triangles_[k]));
+                              });
+            moved.visit_near(box,
+                             [&](int k)
+                             {
+                                 if (std::size_t(k) > i && cross(own, moving_corners_[k], places))
+                                     met.push_back({moving_[i], moving_[k]});
+                             });
+        });
+    std::sort(result.begin(), result.end());
+    return result;
+}
+
+std::vector<int> TriangleCuts::count(const Points& places) const
+{
+    std::vector<int> of_triangle(mesh_.triangles.size(), 0), result;
+    for (const auto& [a, b] : list(places))
+    {
+        ++of_triangle[a];
+        ++of_triangle[b];
+    }
+    for (const int t : moving_)
+        result.push_back(of_triangle[t]);
     return result;
 }
 

@@ -140,6 +140,7 @@ TEST(TriangleCuts, CountsWhatCrossesButNotNeighbours)
     EXPECT_EQ(cuts.count(places).front(), 0);
     places[0] = Point(4, -4, 0); // beyond where the moving ones were, through the last
     EXPECT_EQ(cuts.count(places).front(), 2);
+    EXPECT_EQ(cuts.list(places), (std::vector<std::pair<int, int>>{{0, 2}, {0, 4}, {3, 4}}));
 }
 
 } // namespace
