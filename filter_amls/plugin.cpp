@@ -1,5 +1,7 @@
 #include "plugin_filters.h"
 
+#include <recon/rounding.h>
+
 #include <sstream>
 
 void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::FilterResult& result)
@@ -12,6 +14,14 @@ void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::
     result.values.emplace_back("anchors", report.anchors);
     result.values.emplace_back("open", report.open);
     plugin::append_seconds(result, report.seconds);
+    if (report.lattice_step > 0)
+    {
+        std::ostringstream rounded;
+        rounded << "The points lie on a lattice, as voxels or rounded coordinates do, in steps of "
+                << report.lattice_step << ": the noise is taken to be no less than " << error_of_lattice
+                << " of a step.";
+        result.log.push_back(rounded.str());
+    }
     if (!report.seen_from.empty())
     {
         std::ostringstream places;

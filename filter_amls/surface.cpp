@@ -301,13 +301,9 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         earlier && earlier->data().points == data->points ? earlier->data().crust : std::make_shared<CrustOfPoints>();
     // Whether they are a depth image must not hang on their order.
     const Points sorted = points_at(data->spatial.order, points);
-    std::optional<DepthCamera> coarse;
-    if (options.noise == 0)
-        coarse = find_coarse_depth_camera(sorted);
-    if (coarse)
-        coarse = coarse->in(frame);
-    SurfaceCells made = make_surface_cells(data->points, data->point_search, options.noise / frame.scale(), coarse,
-                                           threads, times, progress.part(0, 0.35));
+    const Rounding rounding = options.noise == 0 ? find_rounding(sorted) : Rounding{};
+    SurfaceCells made = make_surface_cells(data->points, data->point_search, options.noise / frame.scale(),
+                                           rounding.in(frame), threads, times, progress.part(0, 0.35));
     const NoiseEstimate noise = std::move(made.noise);
     data->cells = std::move(made.cells);
     data->cell_search = std::move(made.search);
@@ -361,6 +357,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     report.least_noise = noise.least_noise();
     report.most_noise = frame.scale() * noise.most_sigma();
     report.spacing = frame.scale() * noise.median_spacing();
+    report.lattice_step = rounding.lattice_step;
     report.width = frame.scale() * median_width(anchors.starts);
     report.rho_e = anchors.median_rho_e;
     report.cells = cells.size();

@@ -42,10 +42,20 @@ NoiseEstimate with_steps(const NoiseEstimate& estimate, const DepthCamera& camer
     std::vector<double> sigma = estimate.sigma();
     for (std::size_t i = 0; i < sigma.size(); ++i)
     {
-        const double rounding = camera.step_at(estimate.seeds()[i]) / std::sqrt(12.0);
-        if (sigma[i] < within_step * rounding && camera.is_in_step(estimate.seeds()[i], points, search))
-            sigma[i] = rounding;
+        const double error = camera.step_at(estimate.seeds()[i]) / std::sqrt(12.0);
+        if (sigma[i] < within_step * error && camera.is_in_step(estimate.seeds()[i], points, search))
+            sigma[i] = error;
     }
+    return NoiseEstimate(estimate.seeds(), std::move(sigma), estimate.density());
+}
+
+/// Of dithered points, with the lattice's own error in the place of the dither's.
+NoiseEstimate with_lattice(const NoiseEstimate& estimate, double step)
+{
+    const double own = error_of_lattice * step, dithered = estimate_of_dithered * step;
+    std::vector<double> sigma = estimate.sigma();
+    for (double& s : sigma)
+        s = std::sqrt(own * own + std::max(0.0, s * s - dithered * dithered));
     return NoiseEstimate(estimate.seeds(), std::move(sigma), estimate.density());
 }
 
@@ -86,18 +96,24 @@ std::vector<int> list_outliers(const Cells& cells, const CellNormals& normals)
     return outliers;
 }
 
-SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise,
-                        const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
-                        const Progress& progress)
+SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise, const Rounding& rounding,
+                        int threads, PhaseTimes& times, const Progress& progress)
 {
     times.begin("noise");
     NoiseOptions options;
     options.threads = threads;
-    SurfaceCells made{estimate_noise(points, options, progress.part(0, 0.15, "Noise")), {}, {}, {}};
+    const bool on_lattice = given_noise == 0 && rounding.lattice_step > 0;
+    SurfaceCells made{
+        estimate_noise(on_lattice ? rounding.dither(points) : points, options, progress.part(0, 0.15, "Noise")),
+        {},
+        {},
+        {}};
     if (given_noise > 0)
         made.noise = with_given_noise(made.noise, given_noise);
-    else if (camera)
-        made.noise = with_steps(made.noise, *camera, points, search);
+    else if (on_lattice)
+        made.noise = with_lattice(made.noise, rounding.lattice_step);
+    else if (rounding.camera)
+        made.noise = with_steps(made.noise, *rounding.camera, points, search);
     times.begin("width");
     const LocalScales scales = choose_widths(points, search, made.noise, threads, progress.part(0.15, 0.45, "Width"));
     times.begin("cells");
@@ -109,11 +125,10 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
 }
 
 SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search, double given_noise,
-                                const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
-                                const Progress& progress)
+                                const Rounding& rounding, int threads, PhaseTimes& times, const Progress& progress)
 {
     double done = 0.6;
-    SurfaceCells made = make_cells(points, search, given_noise, camera, threads, times, progress.part(0, done));
+    SurfaceCells made = make_cells(points, search, given_noise, rounding, threads, times, progress.part(0, done));
     const double few = few_outliers * double(points.size()), most = most_outliers * double(points.size());
     std::vector<Outlier> outliers;
     std::vector<int> remaining; // the other points, once there are outliers
@@ -146,7 +161,7 @@ SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search,
         remaining = list_others(points.size(), indices);
         rest = points_at(remaining, points);
         rest_search = BlockSearch(rest, threads);
-        made = make_cells(rest, rest_search, given_noise, camera, threads, times, progress.part(looked, half_way));
+        made = make_cells(rest, rest_search, given_noise, rounding, threads, times, progress.part(looked, half_way));
         done = half_way;
     }
     if (outliers.empty())

@@ -3,12 +3,10 @@
 #include "cells.h"
 
 #include <recon/block_search.h>
-#include <recon/depth_image.h>
 #include <recon/geometry.h>
 #include <recon/noise.h>
 #include <recon/progress.h>
-
-#include <optional>
+#include <recon/rounding.h>
 
 namespace recon
 {
@@ -24,10 +22,10 @@ struct SurfaceCells
 
 /// Steps 1 to 4 of README.md: noise, widths, cells, their unsigned normals. \param points distinct, in spatial order,
 /// of unit scale. \param search of the points. \param given_noise standard deviation [length], 0 = estimate. \param
-/// camera with coarse depths, if one saw them: where all around are of one depth, the noise is that of rounding to it.
-SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise,
-                        const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
-                        const Progress& progress = {});
+/// rounding that moved them, if that is known: the noise is no less than its error; of a depth camera's, where all
+/// around are of one depth.
+SurfaceCells make_cells(const Points& points, const BlockSearch& search, double given_noise, const Rounding& rounding,
+                        int threads, PhaseTimes& times, const Progress& progress = {});
 
 /// Share of the points that outliers are at most; more are no outliers, but points that are no surface.
 inline constexpr double most_outliers = 0.6;
@@ -36,7 +34,7 @@ inline constexpr double most_outliers = 0.6;
 /// there are many, so are those like them (scattered_points.h), again until there are no more. They come last then,
 /// each a cell. Not if hardly any lies far from all else: those are samples of thin, sparse walls.
 SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search, double given_noise,
-                                const std::optional<DepthCamera>& camera, int threads, PhaseTimes& times,
+                                const Rounding& rounding, int threads, PhaseTimes& times,
                                 const Progress& progress = {});
 
 /// Indices of the points in cells of kind outlier, ascending.

@@ -5,9 +5,9 @@
 #include "filter_amls/surface_data.h"
 
 #include <recon/cleanness.h>
-#include <recon/depth_image.h>
 #include <recon/errors.h>
 #include <recon/parallel.h>
+#include <recon/rounding.h>
 #include <recon/spatial_order.h>
 
 #include <algorithm>
@@ -104,10 +104,10 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     }
     result.stacked = cleanness.stacked;
     result.cleanness = cleanness.share();
-    // All points of a step lie in a plane, but for noise that the others tell.
-    const bool has_steps = options.denoise == Denoise::automatic && find_coarse_depth_camera(sorted);
-    result.may_have_flats = options.denoise == Denoise::automatic && options.noise == 0 && !has_steps;
-    result.is_noisy = has_steps || cleanness.is_noisy_in_parts();
+    // Rounded to steps many lie in a plane, but for an error that the steps tell.
+    const bool is_rounded = options.denoise == Denoise::automatic && find_rounding(sorted);
+    result.may_have_flats = options.denoise == Denoise::automatic && options.noise == 0 && !is_rounded;
+    result.is_noisy = is_rounded || cleanness.is_noisy_in_parts();
     if (!result.is_noisy)
     {
         const bool is_clean = cleanness.is_clean();

@@ -1,0 +1,100 @@
+#include <recon/rounding.h>
+#include <recon/spatial_order.h>
+
+#include "tests/lattices.h"
+#include "tests/scans.h"
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace recon;
+
+namespace
+{
+
+Points torus()
+{
+    return shapes::torus(40000, 1, 0.4, 1).points;
+}
+
+Rounding find_in_order(const Points& points)
+{
+    return find_rounding(points_at(order_spatially(points).order, points));
+}
+
+/// Heights of a hilly terrain over a grid of so many places each way.
+Points hills(int side)
+{
+    Points points;
+    for (int x = 0; x < side; ++x)
+        for (int y = 0; y < side; ++y)
+            points.emplace_back(x, y, 8 * std::sin(0.1 * x) * std::cos(0.13 * y) + 0.4 * x);
+    return points;
+}
+
+} // namespace
+
+TEST(FindRounding, FindsTheStepsOfALattice)
+{
+    const Points voxels = shapes::rounded(torus(), Vector::Constant(0.05));
+    const Rounding found = find_in_order(voxels);
+    EXPECT_NEAR(found.lattice_step, 0.05, 1e-9);
+    EXPECT_NEAR(found.in(UnitFrame(voxels)).lattice_step * UnitFrame(voxels).scale(), 0.05, 1e-9);
+    Points moved = voxels, as_floats = voxels;
+    for (Point& p : moved)
+        p = 1000 * p + Point(5e5, -3e4, 12);
+    for (Point& p : as_floats)
+        p = (p + Point(0.123, 4.56, -7.8)).cast<float>().cast<double>();
+    EXPECT_NEAR(find_in_order(moved).lattice_step, 50, 1e-3);
+    EXPECT_NEAR(find_in_order(as_floats).lattice_step, 0.05, 1e-5);
+}
+
+TEST(FindRounding, TakesTheLongestStepButOfHeightsTheirs)
+{
+    const Rounding slices = find_in_order(shapes::rounded(torus(), Vector(0.03, 0.03, 0.1)));
+    EXPECT_NEAR(slices.lattice_step, 0.1, 1e-9);
+    EXPECT_LT((slices.lattice_steps - Vector(0.03, 0.03, 0.1)).norm(), 1e-9);
+    EXPECT_NEAR(find_in_order(shapes::rounded(hills(60), Vector(1, 1, 0.5))).lattice_step, 0.5, 1e-9);
+}
+
+TEST(FindRounding, FindsNoneWhereItTellsNothing)
+{
+    EXPECT_FALSE(find_in_order(torus()));
+    EXPECT_FALSE(find_in_order(shapes::rounded(torus(), Vector::Constant(0.002)))); // far below the spacing
+    EXPECT_FALSE(find_in_order(shapes::lattice_cube(20)));                          // flat as it is
+    EXPECT_FALSE(find_in_order(hills(60)));                                         // heights take any value
+    EXPECT_FALSE(find_in_order(shapes::rounded(shapes::sphere(150, 1, 1).points, Vector::Constant(0.2))));
+    Points two_axes = shapes::rounded(torus(), Vector(0.05, 0.05, 1e-7));
+    EXPECT_FALSE(find_in_order(two_axes));
+    Points one_off = shapes::rounded(torus(), Vector::Constant(0.05));
+    one_off[100].x() += 0.017;
+    EXPECT_FALSE(find_in_order(one_off));
+}
+
+TEST(FindRounding, FindsACameraWithCoarseDepths)
+{
+    const Rounding found = find_in_order(shapes::depth_frame(120, 0.02, 3).points);
+    EXPECT_EQ(found.lattice_step, 0);
+    EXPECT_TRUE(found.camera);
+}
+
+TEST(FindRounding, DitheredPointsStayInTheirCells)
+{
+    const Vector steps(0.03, 0.03, 0.1);
+    const Points voxels = shapes::rounded(torus(), steps);
+    Rounding lattice;
+    lattice.lattice_steps = steps;
+    const Points dithered = lattice.dither(voxels);
+    Vector sum = Vector::Zero(), squares = Vector::Zero();
+    for (std::size_t i = 0; i < voxels.size(); ++i)
+    {
+        const Vector moved = (dithered[i] - voxels[i]).cwiseQuotient(steps);
+        ASSERT_LE(moved.cwiseAbs().maxCoeff(), 0.5);
+        sum += moved;
+        squares += moved.cwiseAbs2();
+    }
+    EXPECT_LT((sum / double(voxels.size())).norm(), 0.02);
+    EXPECT_LT((squares / double(voxels.size()) - Vector::Constant(1.0 / 12)).norm(), 0.01);
+}
