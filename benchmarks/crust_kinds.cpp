@@ -121,6 +121,8 @@ const std::vector<Kind> kinds = {
      [](Cloud& c) { return c.with_noise(c.surface(), [&](const Point& p) { return 0.5 * c.along(p, 1); }); }},
     {"rounded to 0.1 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.1)); }},
     {"rounded to 0.3 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.3)); }},
+    {"rounded to 0.8 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.8)); }},
+    {"0.4 %, rounded to 0.5 %", [](Cloud& c) { return rounded(c.with_noise(c.surface(), 0.4), c.length(0.5)); }},
     {"scan lines 0.8 % apart, 0.05 %",
      [](Cloud& c)
      {

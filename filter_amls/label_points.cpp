@@ -74,7 +74,7 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
                       const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
-    LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads);
+    LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads, progress.part(0, 0));
     const bool has_ground = is_open && add_ground(found.samples, normals, lost, labelling.threads);
     if (is_open && !has_ground)
         if (auto sheet = back_open_sheet(found.samples, normals, found.labelled, labelling, times, progress))
@@ -263,7 +263,8 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
                              times, progress.part(0.5, 1, "thin walls")))
         found.labelled = std::move(*better);
     found.least_roughness = as_they_are.cleanness.least_roughness;
-    const LostSheets lost = find_lost_sheets(found.samples, found.labelled, false, labelling.threads);
+    const LostSheets lost =
+        find_lost_sheets(found.samples, found.labelled, false, labelling.threads, progress.part(0.5, 0.5));
     if (lost.largest <= bearable_lost)
         back_some_sheets(found, lost, false, list_normals, labelling, times, progress.part(0.5, 1, "backs of sheets"));
     return found;

@@ -143,11 +143,11 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
 }
 
 /// A room is closed around its scanners, and its walls face these, as all that anything sees does.
-void face_scanners_within(const Points& points, OutwardNormals& found, int threads)
+void face_scanners_within(const Points& points, OutwardNormals& found, int threads, const Progress& progress)
 {
     if (found.surface.open)
         return;
-    const Viewpoints viewpoints = find_viewpoints(points);
+    const Viewpoints viewpoints = find_viewpoints(points, threads, progress);
     found.surface.seen_from = viewpoints.places();
     if (!viewpoints.empty())
         face_cameras(viewpoints, points, found.normals, threads);
@@ -173,8 +173,8 @@ void face_out_of_hull(const Points& points, OutwardNormals& found)
 OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
 {
     const ThreadTeam team;
-    OutwardNormals found = find_normals(points, options, progress);
-    face_scanners_within(points, found, resolve_threads(options.threads));
+    OutwardNormals found = find_normals(points, options, progress.part(0, 0.95));
+    face_scanners_within(points, found, resolve_threads(options.threads), progress.part(0.95, 1, "Places of scanners"));
     if (found.surface.seen_from.empty() && options.noise == 0)
         face_out_of_hull(points, found);
     return found;

@@ -30,7 +30,8 @@ void open_amls_holes(TriangleMesh& mesh, const LabelledSamples& found, const Poi
     Points samples = found.samples;
     found.frame.from_unit_in_place(samples);
     std::vector<char> left;
-    for (const int former : open_holes(mesh, samples, found.backs, threads, progress, find_viewpoints(points)))
+    for (const int former :
+         open_holes(mesh, samples, found.backs, threads, progress, find_viewpoints(points, threads, progress)))
         left.push_back(is_on_surface[former]);
     is_on_surface = std::move(left);
 }

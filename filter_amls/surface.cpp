@@ -138,8 +138,8 @@ bool faces_down(const Points& points, const Orientation& orientation, const std:
 /// Sides of the landmarks, from which all cells take theirs, or from given normals. \param find_viewpoints finds those
 /// of an open sheet.
 Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
-                   const std::function<Viewpoints()>& find_viewpoints, const Vectors& given_normals, int threads,
-                   const Progress& progress)
+                   const std::function<Viewpoints(const Progress&)>& find_viewpoints, const Vectors& given_normals,
+                   int threads, const Progress& progress)
 {
     CellNormals& normals = data.cell_normals;
     Points landmarks;
@@ -154,7 +154,7 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
     Points& seen_from = data.report.seen_from;
     if (orientation.open)
     {
-        const Viewpoints viewpoints = find_viewpoints();
+        const Viewpoints viewpoints = find_viewpoints(progress.part(0.5, 0.6, "Places of scanners"));
         seen_from = viewpoints.places();
         if (!viewpoints.empty())
             face_cameras(viewpoints.in(data.frame), landmarks, orientation.normals, threads);
@@ -321,8 +321,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
 
     times.begin("orientation");
-    const auto viewpoints = [&]
-    { return find_viewpoints(options.as_scanned != nullptr ? *options.as_scanned : points, sorted); };
+    const auto viewpoints = [&](const Progress& part)
+    { return find_viewpoints(options.as_scanned != nullptr ? *options.as_scanned : points, sorted, threads, part); };
     const Orientation orientation =
         orient(*data, choice, viewpoints, given_normals, threads, progress.part(0.35, 0.85));
 

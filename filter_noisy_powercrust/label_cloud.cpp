@@ -126,7 +126,7 @@ public:
             return found;
         // Where lids were opened the poles were sought along normals that have been turned since.
         LostSheets lost = find_lost_sheets(found.cloud.samples, found.labelled, found.cloud.denoised && !found.opened,
-                                           attempts_.threads());
+                                           attempts_.threads(), progress.part(0, 0));
         const bool has_ground = add_ground(found.cloud, lost);
         if (lost.share <= bearable_lost)
             return back_some_sheets(std::move(found), lost, progress);

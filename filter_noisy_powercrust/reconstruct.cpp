@@ -167,13 +167,14 @@ void open_surface(TriangleMesh& mesh, const LabelledCloud& found, const Points& 
     if (!(options.trim_length > 0) && !options.open_holes)
         return;
     const PreparedSamples& cloud = found.cloud;
-    const Viewpoints viewpoints = find_viewpoints(points).in(cloud.frame);
     const int threads = resolve_threads(options.threads);
+    const Viewpoints viewpoints =
+        find_viewpoints(points, threads, progress.part(0, 0.2, "places of scanners")).in(cloud.frame);
     if (options.trim_length > 0)
         trim_by_length(mesh, cloud.distinct, options.trim_length / cloud.frame.scale(), threads,
-                       progress.part(0, 1, "trimming"), viewpoints);
+                       progress.part(0.2, 1, "trimming"), viewpoints);
     else
-        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0, 1, "holes"), viewpoints);
+        open_holes(mesh, cloud.samples, found.backs, threads, progress.part(0.2, 1, "holes"), viewpoints);
     if (mesh.triangles.empty())
         throw AlgorithmFailure(
             "No part of the crust is within trim_length of a point. Raise trim_length, or set it to 0.");

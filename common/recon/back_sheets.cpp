@@ -131,7 +131,8 @@ std::string describe_backs(double share)
     return describe_lost(share) + "They were given a back, some three spacings behind the points.";
 }
 
-LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads)
+LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads,
+                            const Progress& progress)
 {
     const std::size_t n = samples.size();
     std::vector<char> is_hollow(n);
@@ -144,7 +145,7 @@ LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled
     const BlockSearch search(samples, threads);
     const auto look_around = [&](bool hollow_ones)
     {
-        parallel_for(n, threads, {},
+        parallel_for(n, threads, progress,
                      [&](std::size_t i)
                      {
                          if (bool(is_hollow[i]) != hollow_ones)

@@ -33,8 +33,9 @@ std::string describe_lost(double share);
 std::string describe_backs(double share);
 
 /// \param samples those that `labelled` was made of. \param oriented whether they had normals. \returns none where few
-/// samples have no inside, and hardly any of them hang together.
-LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads);
+/// samples have no inside, and hardly any of them hang together. \throws Cancelled.
+LostSheets find_lost_sheets(const Points& samples, const LabelledBalls& labelled, bool oriented, int threads,
+                            const Progress& progress = {});
 
 /// Whether they may be a sheet rather than scattered. Of an open cloud lace may leave only scattered ones without an
 /// inside, but then the votes object. \param is_open of a cloud with normals. \param violated share of its votes.

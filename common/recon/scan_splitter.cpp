@@ -1,6 +1,7 @@
 #include <recon/scan_splitter.h>
 
 #include <recon/median.h>
+#include <recon/parallel.h>
 #include <recon/ray_meeting.h>
 #include <recon/scan_rows.h>
 #include <recon/scramble.h>
@@ -49,19 +50,21 @@ constexpr double same = 0.02;
 class ScanSplitter
 {
 public:
-    ScanSplitter(const Points& points, const std::vector<std::size_t>& gaps)
-        : points_(points), box_(bounding_box(points)), gaps_(gaps),
+    ScanSplitter(const Points& points, const std::vector<std::size_t>& gaps, int threads, const Progress& progress)
+        : points_(points), box_(bounding_box(points)), gaps_(gaps), threads_(threads), progress_(progress),
           block_(std::max(least_block, points.size() / most_blocks + 1)), blocks_((points.size() + block_ - 1) / block_)
     {
     }
 
     std::vector<Scan> split()
     {
-        look_at_windows();
+        look_at_windows(progress_.part(0, 0.5));
         if (candidates_.empty())
             return {};
         std::vector<Run> runs = list_runs(far_less_even * least_of_candidates());
-        for (int k = 0; k < rounds && are_seen_across(scans_of(runs)) && look_at_unknown(runs); ++k)
+        for (int k = 0; k < rounds && are_seen_across(scans_of(runs)) &&
+                        look_at_unknown(runs, progress_.part(0.5, 0.5 + 0.05 * k));
+             ++k)
             runs = list_runs(far_less_even * least_of_candidates());
         runs = list_runs(uneven);
         for (std::size_t k = 1; k < runs.size(); ++k)
@@ -70,6 +73,7 @@ public:
         std::vector<Scan> scans;
         for (Scan& scan : scans_of(runs))
         {
+            progress_.part(0.8, 1).report(double(scan.begin) / double(points_.size()));
             const Points points = slice(scan.begin, scan.end);
             const std::optional<Candidate> found = settle(points, scan.place);
             if (!found || !sees_all(points, found->place))
@@ -129,24 +133,33 @@ private:
     }
 
     /// Places where the rays of windows meet.
-    void look_at_windows()
+    void look_at_windows(const Progress& progress)
     {
         for (std::size_t windows = 1; windows <= most_windows && gaps_.size() >= few_gaps * windows; windows *= 2)
+        {
+            std::vector<std::optional<Candidate>> found(windows);
+            parallel_for(
+                windows, threads_, progress, [&](std::size_t k) { found[k] = look_at_window(k, windows); }, 1);
             for (std::size_t k = 0; k < windows; ++k)
-            {
-                const std::size_t first = gaps_.size() * k / windows, end = gaps_.size() * (k + 1) / windows;
-                std::vector<std::size_t> asked;
-                for (std::size_t g = first; g < end; g += (end - first) / most_gaps + 1)
-                    asked.push_back(gaps_[g]);
-                const std::optional<Meeting> meeting = find_meeting(points_, asked, of_windows);
-                const auto is_large_part = [&] { return meeting->rays >= few_gaps && meeting->share() >= large_part; };
-                if (!meeting || !meeting->is_sharp() || !(meeting->has_many() || is_large_part()))
-                    continue;
-                const Points points = slice(gaps_[first], gaps_[end - 1]);
-                const std::optional<Candidate> found = settle(points, meeting->place);
-                if (found && !is_known(found->place, points.front()) && sees_all(points, found->place))
-                    candidates_.push_back(*found);
-            }
+                if (found[k] && !is_known(found[k]->place, points_[gaps_[gaps_.size() * k / windows]]))
+                    candidates_.push_back(*found[k]);
+        }
+    }
+
+    std::optional<Candidate> look_at_window(std::size_t k, std::size_t windows) const
+    {
+        const std::size_t first = gaps_.size() * k / windows, end = gaps_.size() * (k + 1) / windows;
+        std::vector<std::size_t> asked;
+        for (std::size_t g = first; g < end; g += (end - first) / most_gaps + 1)
+            asked.push_back(gaps_[g]);
+        const std::optional<Meeting> meeting = find_meeting(points_, asked, of_windows);
+        const auto is_large_part = [&] { return meeting->rays >= few_gaps && meeting->share() >= large_part; };
+        if (!meeting || !meeting->is_sharp() || !(meeting->has_many() || is_large_part()))
+            return {};
+        const Points points = slice(gaps_[first], gaps_[end - 1]);
+        const std::optional<Candidate> found = settle(points, meeting->place);
+        const bool is_new = found && !is_known(found->place, points.front());
+        return is_new && sees_all(points, found->place) ? found : std::nullopt;
     }
 
     /// Per block what is said against a place.
@@ -174,7 +187,15 @@ private:
     {
         const std::size_t labels = candidates_.size() + 1;
         const double none = std::log(least_of_none);
-        std::vector<double> costs(labels, 0);
+        std::vector<double> costs(labels, 0), against(blocks_ * labels, none);
+        parallel_for(
+            blocks_, threads_, progress_.part(0.5, 0.5),
+            [&](std::size_t b)
+            {
+                for (std::size_t k = 0; k < candidates_.size(); ++k)
+                    against[b * labels + k] = measure_cost(b, candidates_[k].place);
+            },
+            16);
         std::vector<std::vector<int>> before(blocks_, std::vector<int>(labels));
         for (std::size_t b = 0; b < blocks_; ++b)
         {
@@ -183,8 +204,7 @@ private:
             for (std::size_t k = 0; k < labels; ++k)
             {
                 before[b][k] = changed < costs[k] ? cheapest : int(k);
-                costs[k] = std::min(costs[k], changed) +
-                           (k == candidates_.size() ? none : measure_cost(b, candidates_[k].place));
+                costs[k] = std::min(costs[k], changed) + against[b * labels + k];
             }
         }
         std::vector<Run> runs;
@@ -201,7 +221,7 @@ private:
     }
 
     /// Whether there are more candidates now.
-    bool look_at_unknown(const std::vector<Run>& runs)
+    bool look_at_unknown(const std::vector<Run>& runs, const Progress& progress)
     {
         bool found = false;
         for (const Run& run : runs)
@@ -209,24 +229,29 @@ private:
                 for (std::size_t parts = 1; parts <= 4; parts *= 2)
                     for (std::size_t k = 0; k < parts; ++k)
                         found |= look_at(run.begin + (run.end - run.begin) * k / parts,
-                                         run.begin + (run.end - run.begin) * (k + 1) / parts);
+                                         run.begin + (run.end - run.begin) * (k + 1) / parts, progress);
         return found;
     }
 
-    bool look_at(std::size_t begin, std::size_t end)
+    bool look_at(std::size_t begin, std::size_t end, const Progress& progress)
     {
         const Points points = slice(begin, end);
-        std::optional<Candidate> best;
-        for (std::size_t k = 0; k < starts; ++k)
-        {
-            const auto draw = [&](std::size_t axis) { return double(scramble(3 * k + axis) % 1'000) / 1'000; };
-            const Point start =
-                box_.minimum + Vector(draw(0), draw(1), draw(2)).cwiseProduct(box_.maximum - box_.minimum);
-            const std::optional<Candidate> found = settle(points, start);
-            if (found && (!best || found->deviation < best->deviation) && sees_all(points, found->place))
-                best = found;
-        }
-        if (!best || is_known(best->place, points.front()))
+        std::vector<Candidate> found = parallel_collect<Candidate>(
+            starts, threads_, progress,
+            [&](std::size_t k, std::vector<Candidate>& settled)
+            {
+                const auto draw = [&](std::size_t axis) { return double(scramble(3 * k + axis) % 1'000) / 1'000; };
+                const Point start =
+                    box_.minimum + Vector(draw(0), draw(1), draw(2)).cwiseProduct(box_.maximum - box_.minimum);
+                if (const std::optional<Candidate> candidate = settle(points, start))
+                    settled.push_back(*candidate);
+            },
+            1);
+        std::stable_sort(found.begin(), found.end(),
+                         [](const Candidate& a, const Candidate& b) { return a.deviation < b.deviation; });
+        const auto best = std::find_if(found.begin(), found.end(),
+                                       [&](const Candidate& candidate) { return sees_all(points, candidate.place); });
+        if (best == found.end() || is_known(best->place, points.front()))
             return false;
         candidates_.push_back(*best);
         return true;
@@ -323,15 +348,18 @@ private:
     const Points& points_;
     Box box_;
     const std::vector<std::size_t>& gaps_;
+    const int threads_;
+    const Progress progress_;
     std::size_t block_, blocks_; ///< Points in a block, and blocks [count].
     std::vector<Candidate> candidates_;
 };
 
 } // namespace
 
-std::vector<Scan> split_scans(const Points& points, const std::vector<std::size_t>& gaps)
+std::vector<Scan> split_scans(const Points& points, const std::vector<std::size_t>& gaps, int threads,
+                              const Progress& progress)
 {
-    return points.size() < fewest_points ? std::vector<Scan>() : ScanSplitter(points, gaps).split();
+    return points.size() < fewest_points ? std::vector<Scan>() : ScanSplitter(points, gaps, threads, progress).split();
 }
 
 } // namespace recon

@@ -165,27 +165,27 @@ std::optional<Point> find_scan_origin(const Points& points)
     return origin;
 }
 
-Viewpoints find_scan_origins(const Points& points)
+Viewpoints find_scan_origins(const Points& points, int threads, const Progress& progress)
 {
     const DistinctRun run(points);
     std::vector<std::size_t> gaps = find_gaps(run.points);
-    const Viewpoints found = take(split_scans(run.points, gaps), run);
+    const Viewpoints found = take(split_scans(run.points, gaps, threads, progress), run);
     if (found.places().size() < 2)
         if (const std::optional<Point> place = choose_place(run.points, std::move(gaps)))
             return Viewpoints(run.middle + *place);
     return found;
 }
 
-Viewpoints find_viewpoints(const Points& points, const Points& sorted)
+Viewpoints find_viewpoints(const Points& points, const Points& sorted, int threads, const Progress& progress)
 {
     if (const auto camera = find_depth_camera(sorted))
         return Viewpoints(camera->place);
-    return find_scan_origins(points);
+    return find_scan_origins(points, threads, progress);
 }
 
-Viewpoints find_viewpoints(const Points& points)
+Viewpoints find_viewpoints(const Points& points, int threads, const Progress& progress)
 {
-    return find_viewpoints(points, points);
+    return find_viewpoints(points, points, threads, progress);
 }
 
 } // namespace recon

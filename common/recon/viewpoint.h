@@ -1,6 +1,7 @@
 #pragma once
 
 #include <recon/geometry.h>
+#include <recon/progress.h>
 
 #include <memory>
 #include <optional>
@@ -42,13 +43,13 @@ private:
 std::optional<Point> find_scan_origin(const Points& points);
 
 /// The places of scans that follow each other, each in the order of its rays; one of them is one place. None unless
-/// nearly all points are of scans whose place is found. \pre as above.
-Viewpoints find_scan_origins(const Points& points);
+/// nearly all points are of scans whose place is found. \pre as above. \throws Cancelled.
+Viewpoints find_scan_origins(const Points& points, int threads = 1, const Progress& progress = {});
 
 /// Places of the cameras or scanners that all points face: the origin, if they are the pixels of one as it delivers
 /// them (depth_image.h), or those that their order tells. \param sorted the same in another order, where the former
-/// must not hang on how they come. \pre finite.
-Viewpoints find_viewpoints(const Points& points, const Points& sorted);
-Viewpoints find_viewpoints(const Points& points);
+/// must not hang on how they come. \pre finite. \throws Cancelled.
+Viewpoints find_viewpoints(const Points& points, const Points& sorted, int threads, const Progress& progress = {});
+Viewpoints find_viewpoints(const Points& points, int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -1,3 +1,4 @@
+#include <recon/errors.h>
 #include <recon/spatial_order.h>
 #include <recon/viewpoint.h>
 
@@ -167,6 +168,27 @@ TEST(ScanOrigins, AreFoundOfScansThatFollowEachOther)
     }
 }
 
+TEST(ScanOrigins, AreTheSameForAnyNumberOfThreadsAndCanBeCancelledOnTheWay)
+{
+    const Points points = shapes::laser_scans(200, 0.01, true, 3, {{0, 0, 0}, {-2, 1.5, 0.2}}).points;
+    int reports = 0;
+    double last = 0;
+    const auto count = [&](double fraction, const std::string&)
+    {
+        ++reports;
+        last = fraction;
+        return true;
+    };
+    const Points places = find_scan_origins(points, 1, Progress(count)).places();
+    ASSERT_EQ(places.size(), 2);
+    EXPECT_EQ(find_scan_origins(points, 3).places(), places);
+    EXPECT_GT(reports, 20);
+    EXPECT_LE(last, 1);
+    int left = reports / 2;
+    const Progress halfway([&](double, const std::string&) { return --left > 0; });
+    EXPECT_THROW(find_scan_origins(points, 1, halfway), Cancelled);
+}
+
 TEST(ScanOrigins, OneOfOneScan)
 {
     const Points points = put(shapes::laser_scan(360, 0.01, true, 3).points, poses[1]);
@@ -196,9 +218,9 @@ TEST(FindViewpoints, FindsPixelsInAnyOrderAndOthersByTheirs)
 {
     const Points frame = shapes::depth_frame(240, 0.003, 3).points, moved = put(frame, poses[1]);
     const auto in_order = [](const Points& points) { return points_at(order_spatially(points).order, points); };
-    EXPECT_EQ(find_viewpoints(in_order(frame)).places(), Points{Point::Zero()});
-    const Viewpoints found = find_viewpoints(moved, in_order(moved));
+    EXPECT_EQ(find_viewpoints(in_order(frame), 1).places(), Points{Point::Zero()});
+    const Viewpoints found = find_viewpoints(moved, in_order(moved), 1);
     ASSERT_EQ(found.places().size(), 1);
     EXPECT_LT((found.places()[0] - poses[1].shift).norm(), 0.03);
-    EXPECT_TRUE(find_viewpoints(in_order(moved)).empty());
+    EXPECT_TRUE(find_viewpoints(in_order(moved), 1).empty());
 }
