@@ -9,6 +9,8 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -79,7 +81,45 @@ public:
         return near;
     }
 
+    /// Where planes across the longest axis cut the surface. Percents: their distance, and that of the points of an
+    /// outline.
+    Points slices(double apart, double along)
+    {
+        int axis;
+        (box_.maximum - box_.minimum).maxCoeff(&axis);
+        Points points;
+        for (const auto& t : model_.mesh.triangles)
+        {
+            double lowest = box_.maximum[axis], highest = box_.minimum[axis];
+            for (const int v : t)
+            {
+                lowest = std::min(lowest, model_.mesh.vertices[v][axis]);
+                highest = std::max(highest, model_.mesh.vertices[v][axis]);
+            }
+            for (double k = std::ceil(lowest / length(apart)); k * length(apart) < highest; ++k)
+                add_cut(t, axis, k * length(apart), length(along), points);
+        }
+        return points;
+    }
+
 private:
+    /// Points of a triangle in a plane across an axis, as far apart as given on average.
+    void add_cut(const std::array<int, 3>& triangle, int axis, double at, double apart, Points& points)
+    {
+        Points ends;
+        for (int k = 0; k < 3; ++k)
+        {
+            const Point &a = model_.mesh.vertices[triangle[k]], &b = model_.mesh.vertices[triangle[(k + 1) % 3]];
+            if ((a[axis] < at) != (b[axis] < at))
+                ends.push_back(a + (at - a[axis]) / (b[axis] - a[axis]) * (b - a));
+        }
+        if (ends.size() != 2)
+            return;
+        const Vector side = ends[1] - ends[0];
+        for (double s = apart * uniform(); s < side.norm(); s += apart)
+            points.push_back(ends[0] + s / side.norm() * side);
+    }
+
     const Model& model_;
     int n_;
     unsigned seed_;
@@ -121,8 +161,6 @@ const std::vector<Kind> kinds = {
      [](Cloud& c) { return c.with_noise(c.surface(), [&](const Point& p) { return 0.5 * c.along(p, 1); }); }},
     {"rounded to 0.1 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.1)); }},
     {"rounded to 0.3 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.3)); }},
-    {"rounded to 0.8 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.8)); }},
-    {"0.4 %, rounded to 0.5 %", [](Cloud& c) { return rounded(c.with_noise(c.surface(), 0.4), c.length(0.5)); }},
     {"scan lines 0.8 % apart, 0.05 %",
      [](Cloud& c)
      {
@@ -178,6 +216,9 @@ const std::vector<Kind> kinds = {
      { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 0) > 0.88 ? 0.3 : 0; }); }},
     {"the other end, 0.3 %", [](Cloud& c)
      { return c.with_noise(c.surface(), [&](const Point& p) { return c.along(p, 1) < 0.12 ? 0.3 : 0; }); }},
+    {"rounded to 0.8 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.8)); }},
+    {"0.4 %, rounded to 0.5 %", [](Cloud& c) { return rounded(c.with_noise(c.surface(), 0.4), c.length(0.5)); }},
+    {"slices 1 % apart, 0.2 % in them", [](Cloud& c) { return c.slices(1, 0.2); }},
 };
 
 } // namespace

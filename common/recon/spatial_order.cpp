@@ -17,6 +17,13 @@ namespace
 /// How many spots around one are empty, and its most points: it is no object.
 constexpr double alone_within = 100;
 constexpr int most_in_spot = 1000;
+/// Extent of twins at most [diagonals of the cloud], how many of theirs around are empty, of nearly all of them, and
+/// the share that has one.
+constexpr double twin_size = 1e-4, twins_alone_within = 5, nearly_all_twins = 0.9, many_twins = 0.05;
+/// Twins of one point at most, itself among them: more are an object.
+constexpr int most_twins = 8;
+/// Of a coarse flat box all corners are twins.
+constexpr std::size_t fewest_with_twins = 1000;
 
 /// Spreads the low 21 bits so that two zero bits follow each.
 std::uint64_t spread_bits(std::uint64_t x)
@@ -140,6 +147,31 @@ void sort_along_curve(const Points& points, Entries::iterator begin, Entries::it
     }
 }
 
+/// Extent of spots that hold the twins of a cloud [length], 0 if it has hardly any. Neighbours in the order tell: they
+/// are mostly twins if there are such.
+double find_twin_spot(const Points& sorted, double diagonal)
+{
+    const double n = double(sorted.size()), most = twin_size * diagonal;
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < sorted.size(); ++i)
+        if (const double step = (sorted[i] - sorted[i - 1]).norm(); step <= twins_alone_within * most)
+            steps.push_back(step);
+    if (sorted.size() < fewest_with_twins || double(steps.size()) < many_twins * n)
+        return 0;
+    std::sort(steps.begin(), steps.end());
+    const auto up_to = [&](double step)
+    { return double(std::upper_bound(steps.begin(), steps.end(), step) - steps.begin()); };
+    for (double spot = most; spot > spot_size * diagonal; spot /= 2)
+        if (const double twins = up_to(spot);
+            twins >= many_twins * n && twins >= nearly_all_twins * up_to(twins_alone_within * spot))
+        {
+            while (up_to(spot / 2) >= 0.99 * twins)
+                spot /= 2;
+            return spot;
+        }
+    return 0;
+}
+
 /// Sorted points that lie in a spot with the next one of them.
 std::vector<int> list_crowded(const Points& sorted, double spot)
 {
@@ -151,9 +183,9 @@ std::vector<int> list_crowded(const Points& sorted, double spot)
 }
 
 /// Per sorted point the first one of its spot, mostly itself.
-std::vector<int> find_spots(const Points& sorted, const std::vector<int>& crowded, double spot)
+std::vector<int> find_spots(const Points& sorted, const std::vector<int>& crowded, double spot, double alone_within,
+                            int most)
 {
-    const int most = std::min(most_in_spot, int(sorted.size()) / 20);
     std::vector<int> first(sorted.size()), group;
     std::iota(first.begin(), first.end(), 0);
     const BlockSearch search(sorted);
@@ -194,11 +226,18 @@ SpatialOrder order_input(const Points& points, int threads)
 {
     SpatialOrder result = order_spatially(points, threads);
     const Points sorted = points_at(result.order, points);
-    const double spot = spot_size * (sorted.empty() ? 0 : bounding_box(sorted).diagonal());
-    const std::vector<int> crowded = list_crowded(sorted, spot);
-    if (crowded.empty())
+    const double diagonal = sorted.empty() ? 0 : bounding_box(sorted).diagonal(), spot = spot_size * diagonal;
+    std::vector<int> crowded = list_crowded(sorted, spot), first;
+    if (const double twins = find_twin_spot(sorted, diagonal); twins > spot)
+    {
+        crowded.resize(sorted.size());
+        std::iota(crowded.begin(), crowded.end(), 0);
+        first = find_spots(sorted, crowded, twins, twins_alone_within, most_twins);
+    }
+    else if (!crowded.empty())
+        first = find_spots(sorted, crowded, spot, alone_within, std::min(most_in_spot, int(sorted.size()) / 20));
+    else
         return result;
-    const std::vector<int> first = find_spots(sorted, crowded, spot);
     std::vector<int> kept, place(sorted.size());
     for (int i = 0; i < int(sorted.size()); ++i)
     {

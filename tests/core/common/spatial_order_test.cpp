@@ -91,6 +91,40 @@ TEST(OrderInput, KeepsSmallObjectsAndDenseParts)
     EXPECT_TRUE(order_input({}).order.empty());
 }
 
+// As of one scan twice, written with other digits.
+TEST(OrderInput, TakesTwinsForOnePoint)
+{
+    const Points once = shapes::sphere(3000, 1, 1).points;
+    const auto with_twins = [&](double apart, int copies)
+    {
+        Points points = once;
+        for (int k = 0; k < copies; ++k)
+            for (const Point& p : shapes::with_noise(once, apart, std::uint64_t(k) + 2))
+                points.push_back(p);
+        return points;
+    };
+    for (const double apart : {1e-6, 1e-5})
+        for (const int copies : {1, 4})
+        {
+            const Points points = with_twins(apart, copies);
+            const SpatialOrder spatial = order_input(points);
+            EXPECT_NEAR(double(spatial.order.size()), 3000, 10) << apart << " " << copies;
+            for (std::size_t i = 0; i < points.size(); ++i)
+                EXPECT_LE((points[spatial.order[spatial.representative[i]]] - points[i]).norm(), 12 * apart);
+        }
+    for (const double noise : {1e-3, 3e-4}) // some are as near as twins, others farther
+        EXPECT_EQ(order_input(with_twins(noise, 1)).order.size(), 6000u) << noise;
+    Points few(once.begin(), once.begin() + 400), many_objects = once;
+    few.insert(few.end(), few.begin(), few.end());
+    for (std::size_t i = 400; i < few.size(); ++i)
+        few[i].z() += 1e-5;
+    EXPECT_EQ(order_input(few).order.size(), 800u);
+    for (int k = 0; k < 100; ++k)
+        for (const Point& p : shapes::sphere(20, 1e-5, std::uint64_t(k) + 1).points)
+            many_objects.push_back(p + Point(3, 0.1 * k, 0));
+    EXPECT_EQ(order_input(many_objects).order.size(), 5000u);
+}
+
 TEST(OrderInput, IsTheSameByManyThreads)
 {
     Points points = shapes::sphere(50'000, 1, 1).points;
