@@ -13,7 +13,7 @@ namespace
 /// were not.
 constexpr double certain_votes = 0.02;
 
-/// Share of violated votes up to which no flat face is missing: at least 0.027 where one was, 0.0001 to 0.009 of
+/// Share of violated votes up to which no flat face is missing: at least 0.039 where one was, 0.0001 to 0.009 of
 /// slices, each of whose outlines bounds a flat face, so that filling them all took ten times as long as the rest.
 constexpr double calm_votes = 0.004;
 
