@@ -23,15 +23,15 @@ constexpr std::size_t fewest_values = 6, most_values = 1 << 20;
 /// Values are the same up to so many float roundings of the largest; a step is much more.
 constexpr double same_value = 2, least_step = 16;
 constexpr double off_lattice = 0.05; // steps
-/// Points asked for their neighbours within this many steps each way, and the share that has some.
+/// Points asked for their neighbours on the lattice, and the share that has some.
 constexpr std::size_t most_asked = 1000;
-constexpr int around = 2;
-constexpr double dense = 0.9;
+constexpr double dense = 0.95;
 /// A height field has one point above nearly each place; else every axis was rounded.
 constexpr double of_height_field = 0.9;
-/// Share with all of these in one lattice plane, above which these planes are the shape's own: 0.02 to 0.2 of voxels of
-/// six models that lie askew or are round, 0.36 of a box of ten steps.
-constexpr double flat = 0.4;
+/// Share with all of these in one lattice plane, above which these planes are the shape's own: up to 0.26 of voxels of
+/// five models that lie askew or are round, 0.24 to 0.58 of a part with faces along the axes, 0.33 of three cubes of
+/// six steps in a corner, 0.39 of a box of eight.
+constexpr double flat = 0.3;
 
 struct LatticeAxis
 {
@@ -77,6 +77,8 @@ std::optional<LatticeAxis> find_lattice_axis(const Points& points, int axis)
             ++count;
         }
     const double range = values.back() - values.front();
+    if (range > double(most_values) * shortest)
+        return {};
     const LatticeAxis found{values.front(), range / std::round(range / (sum / count))};
     for (const double value : values)
         if (std::abs((value - found.origin) / found.step - double(found.index(value))) > off_lattice)
@@ -112,9 +114,9 @@ public:
     Neighbours find_neighbours(const Point& p) const
     {
         int count = 0, in_plane[3] = {0, 0, 0};
-        for (int x = -around; x <= around; ++x)
-            for (int y = -around; y <= around; ++y)
-                for (int z = -around; z <= around; ++z)
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y)
+                for (int z = -1; z <= 1; ++z)
                     if ((x != 0 || y != 0 || z != 0) && keys_.count(key(p, {x, y, z})) > 0)
                     {
                         ++count;
@@ -133,7 +135,7 @@ private:
     {
         std::uint64_t result = 0;
         for (int k = 0; k < 3; ++k)
-            result |= std::uint64_t(axes_[k].index(p[k]) + beside[k] + around) << shift(k);
+            result |= std::uint64_t(axes_[k].index(p[k]) + beside[k] + 1) << shift(k);
         return result;
     }
     static constexpr int index_bits = 21;

@@ -53,10 +53,10 @@ TEST(FindRounding, FindsTheStepsOfALattice)
 
 TEST(FindRounding, TakesTheLongestStepButOfHeightsTheirs)
 {
-    const Rounding slices = find_in_order(shapes::rounded(torus(), Vector(0.03, 0.03, 0.1)));
-    EXPECT_NEAR(slices.lattice_step, 0.1, 1e-9);
-    EXPECT_LT((slices.lattice_steps - Vector(0.03, 0.03, 0.1)).norm(), 1e-9);
-    EXPECT_NEAR(find_in_order(shapes::rounded(hills(60), Vector(1, 1, 0.5))).lattice_step, 0.5, 1e-9);
+    const Rounding slices = find_in_order(shapes::rounded(torus(), Vector(0.04, 0.04, 0.06)));
+    EXPECT_NEAR(slices.lattice_step, 0.06, 1e-9);
+    EXPECT_LT((slices.lattice_steps - Vector(0.04, 0.04, 0.06)).norm(), 1e-9);
+    EXPECT_NEAR(find_in_order(shapes::rounded(hills(60), Vector(1, 1, 0.8))).lattice_step, 0.8, 1e-9);
 }
 
 TEST(FindRounding, FindsNoneWhereItTellsNothing)
@@ -68,6 +68,15 @@ TEST(FindRounding, FindsNoneWhereItTellsNothing)
     EXPECT_FALSE(find_in_order(shapes::rounded(shapes::sphere(150, 1, 1).points, Vector::Constant(0.2))));
     Points two_axes = shapes::rounded(torus(), Vector(0.05, 0.05, 1e-7));
     EXPECT_FALSE(find_in_order(two_axes));
+    Points far_apart = shapes::rounded(torus(), Vector::Constant(0.05));
+    for (Point& p : far_apart)
+        p = p.array().cube() * 1e15; // whole numbers that leave most out
+    EXPECT_FALSE(find_in_order(far_apart));
+    Points three_cubes;
+    for (const Point& p : shapes::lattice_cube(8))
+        for (int axis = 0; axis < 3; ++axis)
+            three_cubes.push_back(p + 8 * Vector::Unit(axis));
+    EXPECT_FALSE(find_in_order(shapes::rounded(three_cubes, Vector::Ones())));
     Points one_off = shapes::rounded(torus(), Vector::Constant(0.05));
     one_off[100].x() += 0.017;
     EXPECT_FALSE(find_in_order(one_off));
