@@ -340,7 +340,7 @@ BallLabellingOptions options_for_labels(int threads)
 LabelledSamples label_points(const Points& points, const AmlsSurface& surface, bool may_be_exact,
                              const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
 {
-    if (!may_be_exact)
+    if (!may_be_exact || surface.report().lattice_step > 0)
         return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 1));
     times.begin("gate");
     const PointsAsTheyAre as_they_are(points, surface, labelling.threads);

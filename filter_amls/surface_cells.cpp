@@ -103,11 +103,9 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
     NoiseOptions options;
     options.threads = threads;
     const bool on_lattice = given_noise == 0 && rounding.lattice_step > 0;
-    SurfaceCells made{
-        estimate_noise(on_lattice ? rounding.dither(points) : points, options, progress.part(0, 0.15, "Noise")),
-        {},
-        {},
-        {}};
+    const Points dithered = on_lattice ? rounding.dither(points) : Points();
+    const Progress part = progress.part(0, 0.15, "Noise");
+    SurfaceCells made{estimate_noise(on_lattice ? dithered : points, options, part), {}, {}, {}};
     if (given_noise > 0)
         made.noise = with_given_noise(made.noise, given_noise);
     else if (on_lattice)

@@ -1,10 +1,8 @@
 #include "project_all.h"
 
 #include <recon/errors.h>
-#include <recon/rounding.h>
 
 #include "tests/checks.h"
-#include "tests/lattices.h"
 #include "tests/shapes.h"
 
 #include <Eigen/Geometry>
@@ -54,25 +52,6 @@ TEST(AmlsSurface, RemovesMostOfTheNoiseOnSmoothShapes)
             EXPECT_GT(checks::share_facing(result.normals, shape.samples.normals), 0.999) << shape.name << " " << sigma;
             EXPECT_EQ(result.count(ProjectionStatus::outlier), 0) << shape.name << " " << sigma;
         }
-}
-
-TEST(AmlsSurface, RemovesWhatRoundingToALatticeDid)
-{
-    constexpr double step = 0.05;
-    const auto distance = [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); };
-    const Points exact = shapes::torus(40000, 1, 0.4, 4).points;
-    const auto round = [&](double sigma)
-    { return shapes::rounded(shapes::with_noise(exact, sigma, 5), Vector::Constant(step)); };
-    const Points voxels = round(0);
-    EXPECT_LT(shapes::rms(project_all(voxels).points, distance), 0.5 * shapes::rms(voxels, distance));
-    EXPECT_NEAR(build_amls_surface(voxels, {}).report().noise, error_of_lattice * step, 0.1 * step);
-    EXPECT_NEAR(build_amls_surface(voxels, {}).report().lattice_step, step, 1e-9);
-    EXPECT_EQ(build_amls_surface(exact, {}).report().lattice_step, 0);
-    const Points noisy = round(0.8 * step);
-    EXPECT_NEAR(build_amls_surface(noisy, {}).report().noise, shapes::rms(noisy, distance), 0.15 * step);
-    AmlsOptions given;
-    given.noise = 0.6 * step;
-    EXPECT_NEAR(build_amls_surface(voxels, given).report().noise, given.noise, 1e-9);
 }
 
 TEST(AmlsSurface, NormalsFollowTheSurface)

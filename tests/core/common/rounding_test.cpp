@@ -68,10 +68,13 @@ TEST(FindRounding, FindsNoneWhereItTellsNothing)
     EXPECT_FALSE(find_in_order(shapes::rounded(shapes::sphere(150, 1, 1).points, Vector::Constant(0.2))));
     Points two_axes = shapes::rounded(torus(), Vector(0.05, 0.05, 1e-7));
     EXPECT_FALSE(find_in_order(two_axes));
-    Points far_apart = shapes::rounded(torus(), Vector::Constant(0.05));
+    Points far_apart = shapes::rounded(torus(), Vector::Constant(0.05)), warped = far_apart;
     for (Point& p : far_apart)
-        p = p.array().cube() * 1e15; // whole numbers that leave most out
+        p = (20 * p).array().pow(17); // whole numbers that leave most out
     EXPECT_FALSE(find_in_order(far_apart));
+    for (Point& p : warped)
+        p += 0.01 * (20 * p).array().sin().matrix();
+    EXPECT_FALSE(find_in_order(warped));
     Points three_cubes;
     for (const Point& p : shapes::lattice_cube(8))
         for (int axis = 0; axis < 3; ++axis)
