@@ -360,6 +360,8 @@ std::optional<LabelledSamples> label_only_tubes(const Points& points, const Amls
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                 const Progress& progress)
 {
+    if (surface.report().lattice_step > 0)
+        return {};
     times.begin("gate");
     const PointsAsTheyAre as_they_are(points, surface, labelling.threads);
     if (!as_they_are.cleanness.is_doubtful())
