@@ -7,6 +7,7 @@
 
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
+#include "tests/lattices.h"
 #include "tests/shapes.h"
 
 #include <algorithm>
@@ -127,12 +128,9 @@ private:
     recon::Box box_;
 };
 
-Points rounded(Points points, double step)
+Points rounded(const Points& points, double step)
 {
-    for (Point& p : points)
-        for (int k = 0; k < 3; ++k)
-            p[k] = std::round(p[k] / step) * step;
-    return points;
+    return shapes::rounded(points, Vector::Constant(step));
 }
 
 struct Kind

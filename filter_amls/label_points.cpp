@@ -190,11 +190,13 @@ std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_a
     std::optional<FlatCompletion> completion;
     const auto complete = [&]
     {
-        times.begin("flat faces");
-        FlatFaceOptions options;
-        options.threads = labelling.threads;
         if (!completion)
+        {
+            times.begin("flat faces");
+            FlatFaceOptions options;
+            options.threads = labelling.threads;
             completion = complete_flats(as_they_are.distinct, options, progress.part(0, 0.2, "flat faces"));
+        }
         return *completion;
     };
     // Else such faces are what says that the points are exact, and plain labels are of no other use.
@@ -312,7 +314,8 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     const double mismatch = measure_mismatch(exact, distinct, labelling.threads);
     const bool has_lost_sheets =
         violated > open_behind &&
-        find_lost_sheets(exact.samples, exact.labelled, false, labelling.threads).largest > bearable_lost;
+        find_lost_sheets(exact.samples, exact.labelled, false, labelling.threads, progress.part(0, 0)).largest >
+            bearable_lost;
     if (mismatch <= bearable_mismatch && !has_lost_sheets)
         return exact;
     LabelledSamples projected =

@@ -198,7 +198,8 @@ private:
                 attempts_.prepare_and_label(Denoise::on, attempts_.options.noise, progress.part(0, 0.5, "normals"));
             if (!oriented.cloud.denoised || oriented.completed > 0)
                 return {};
-            lost = find_lost_sheets(oriented.cloud.samples, oriented.labelled, true, attempts_.threads());
+            lost = find_lost_sheets(oriented.cloud.samples, oriented.labelled, true, attempts_.threads(),
+                                    progress.part(0.5, 0.5));
             backed = std::move(oriented.cloud);
         }
         const int backs = back_sheets(lost, backed.samples, backed.normals, attempts_.threads());

@@ -104,6 +104,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     }
     result.stacked = cleanness.stacked;
     result.cleanness = cleanness.share();
+    times.begin("gate");
     // Rounded to steps many lie in a plane, but for an error that the steps tell.
     const bool is_rounded = options.denoise == Denoise::automatic && find_rounding(sorted);
     result.may_have_flats = options.denoise == Denoise::automatic && options.noise == 0 && !is_rounded;
@@ -117,7 +118,6 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         // coarse.
         result.is_noisy = is_doubted && result.complete(times, threads, progress.part(0, 0.1)).points.empty();
         result.is_doubtful = result.is_noisy && is_clean && cleanness.is_doubtful();
-        times.begin("gate");
     }
     result.noise = options.noise > 0 ? options.noise : cleanness.noise * result.frame.scale();
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);

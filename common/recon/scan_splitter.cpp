@@ -63,7 +63,7 @@ public:
             return {};
         std::vector<Run> runs = list_runs(far_less_even * least_of_candidates());
         for (int k = 0; k < rounds && are_seen_across(scans_of(runs)) &&
-                        look_at_unknown(runs, progress_.part(0.5, 0.5 + 0.05 * k));
+                        look_at_unknown(runs, progress_.part(0.5, 0.5 + 0.05 * (k + 1)));
              ++k)
             runs = list_runs(far_less_even * least_of_candidates());
         runs = list_runs(uneven);

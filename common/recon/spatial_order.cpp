@@ -153,10 +153,14 @@ double find_twin_spot(const Points& sorted, double diagonal)
 {
     const double n = double(sorted.size()), most = twin_size * diagonal;
     std::vector<double> steps;
+    int near = 0;
     for (std::size_t i = 1; i < sorted.size(); ++i)
         if (const double step = (sorted[i] - sorted[i - 1]).norm(); step <= twins_alone_within * most)
+        {
             steps.push_back(step);
-    if (sorted.size() < fewest_with_twins || double(steps.size()) < many_twins * n)
+            near += step <= most;
+        }
+    if (sorted.size() < fewest_with_twins || near < many_twins * n)
         return 0;
     std::sort(steps.begin(), steps.end());
     const auto up_to = [&](double step)
@@ -227,17 +231,20 @@ SpatialOrder order_input(const Points& points, int threads)
     SpatialOrder result = order_spatially(points, threads);
     const Points sorted = points_at(result.order, points);
     const double diagonal = sorted.empty() ? 0 : bounding_box(sorted).diagonal(), spot = spot_size * diagonal;
-    std::vector<int> crowded = list_crowded(sorted, spot), first;
+    std::vector<int> first;
     if (const double twins = find_twin_spot(sorted, diagonal); twins > spot)
     {
-        crowded.resize(sorted.size());
-        std::iota(crowded.begin(), crowded.end(), 0);
-        first = find_spots(sorted, crowded, twins, twins_alone_within, most_twins);
+        std::vector<int> all(sorted.size());
+        std::iota(all.begin(), all.end(), 0);
+        first = find_spots(sorted, all, twins, twins_alone_within, most_twins);
     }
-    else if (!crowded.empty())
-        first = find_spots(sorted, crowded, spot, alone_within, std::min(most_in_spot, int(sorted.size()) / 20));
     else
-        return result;
+    {
+        const std::vector<int> crowded = list_crowded(sorted, spot);
+        if (crowded.empty())
+            return result;
+        first = find_spots(sorted, crowded, spot, alone_within, std::min(most_in_spot, int(sorted.size()) / 20));
+    }
     std::vector<int> kept, place(sorted.size());
     for (int i = 0; i < int(sorted.size()); ++i)
     {

@@ -25,8 +25,7 @@ inline constexpr double spot_size = 1e-6;
 /// within a hundred times that, count as equal, unless they are a twentieth of all or more than a thousand. The
 /// meridians of a parametrised sphere end in a hundred points some 1e-16 or 1e-8 apart, and spacings measured there
 /// would outweigh all others. Where a twentieth of a thousand points and more have twins, as of one scan twice, written
-/// with other digits, these count as equal up to a ten-thousandth, if hardly any are five times as far
-/// from each other.
+/// with other digits, these count as equal up to a ten-thousandth, if hardly any are five times as far from each other.
 SpatialOrder order_input(const Points& points, int threads = 1);
 
 /// The order that order_input() gives the points without some of them, so that nothing tells the rest from a cloud that
