@@ -116,6 +116,8 @@ bool seems_filled(const Points& points, const MeshAttempt& attempt, int threads)
         return false;
     if (found.labelled.violated_votes > objecting_votes)
         return true;
+    if (attempt.surface.report().has_only_lattice_noise())
+        return false;
     const Points claimed = found.frame.to_unit(points_at(found.claimed, points));
     return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
 }

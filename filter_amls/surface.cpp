@@ -266,6 +266,11 @@ double median_width(const std::vector<FitStart>& starts)
 
 } // namespace
 
+bool AmlsSurfaceReport::has_only_lattice_noise() const
+{
+    return lattice_step > 0 && noise < most_error_of_lattice * lattice_step;
+}
+
 const AmlsSurfaceReport& AmlsSurface::report() const
 {
     return data_->report;

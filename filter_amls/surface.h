@@ -44,6 +44,10 @@ struct AmlsSurfaceReport
     bool open = false; ///< The cloud is an open sheet: "outside" has no meaning, the orientation is only consistent.
     Points seen_from = {}; ///< Places of the cameras or scanners that the normals face, if any were found.
     std::vector<std::pair<std::string, double>> seconds; ///< Wall-clock seconds per phase.
+
+    /// Whether what the points are off by is how they were rounded. Planes of a lattice lie beside each other as walls
+    /// do that were taken for noise, but no such walls are lost.
+    bool has_only_lattice_noise() const;
 };
 
 /// A smooth surface through a noisy cloud: the zero set of I(x) = sum theta d_a / sum theta over small quadrics

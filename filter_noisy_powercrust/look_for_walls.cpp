@@ -94,6 +94,8 @@ private:
 
     bool lies_as_noise_does(const PreparedSamples& cloud, const TriangleMesh& crust) const
     {
+        if (cloud.surface && cloud.surface->report().has_only_lattice_noise())
+            return true;
         return measure_noise_misfit(points_at(cloud.claimed, cloud.distinct), crust, cloud.noise / cloud.frame.scale(),
                                     attempts_.threads())
             .is_noise();

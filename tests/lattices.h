@@ -1,5 +1,7 @@
 #pragma once
 
+#include "shapes.h"
+
 #include <recon/geometry.h>
 
 #include <algorithm>
@@ -19,6 +21,16 @@ inline recon::Points rounded(recon::Points points, const recon::Vector& steps)
     std::sort(points.begin(), points.end(), is_before);
     points.erase(std::unique(points.begin(), points.end()), points.end());
     return points;
+}
+
+/// Voxels of half a torus, open at both ends: planes of the lattice lie beside each other there as walls do.
+inline recon::Points half_torus_on_lattice()
+{
+    recon::Points half;
+    for (const recon::Point& p : torus(60000, 1, 0.4, 4).points)
+        if (p.dot(recon::Vector(1, 0.4, 0.7)) < 0)
+            half.push_back(p);
+    return rounded(half, recon::Vector::Constant(0.06));
 }
 
 /// All points of a lattice on the faces of a cube, a side of so many steps of length 1.

@@ -29,6 +29,8 @@ struct Rounding
 inline constexpr double error_of_lattice = 0.35;
 /// What estimate_noise() says of dithered ones without other noise [steps]: 0.54 to 0.60.
 inline constexpr double estimate_of_dithered = 0.56;
+/// Noise below which the lattice's error is all there is [steps].
+inline constexpr double most_error_of_lattice = 0.45;
 
 /// Lattices along the axes. Shapes with most of their points on lattice planes, such as boxes, are exact. \param points
 /// distinct, in spatial order, finite.

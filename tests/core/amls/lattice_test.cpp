@@ -56,3 +56,10 @@ TEST(Lattice, VoxelsAreNotTheSamplesOfAMesh)
     EXPECT_EQ(mesh.genus, 0);
     EXPECT_LT(shapes::rms(mesh.mesh.vertices, distance_to_limb), 0.4 * shapes::rms(limb, distance_to_limb));
 }
+
+TEST(Lattice, ItsPlanesAreNoWalls)
+{
+    const AmlsReconstruction mesh = reconstruct_amls(shapes::half_torus_on_lattice());
+    EXPECT_EQ(mesh.genus, 0);
+    EXPECT_TRUE(mesh.warnings.empty()) << mesh.warnings.front();
+}

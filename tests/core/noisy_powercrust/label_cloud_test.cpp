@@ -4,6 +4,7 @@
 
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"
+#include "tests/lattices.h"
 #include "tests/open_sheets.h"
 #include "tests/shapes.h"
 
@@ -209,6 +210,13 @@ TEST(NoisyPowerCrust, AnOpenNoisyScanHasLostNoWalls)
 
 // A ball before a wall as a depth camera sees them, noise growing with the square of the depth. Votes object to any way
 // of closing it; less noise, as for a lost wall, would make lace of the wall.
+TEST(NoisyPowerCrust, PlanesOfALatticeAreNoLostWalls)
+{
+    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::half_torus_on_lattice());
+    EXPECT_EQ(crust.genus, 0);
+    EXPECT_TRUE(crust.warnings.empty()) << crust.warnings.front();
+}
+
 TEST(NoisyPowerCrust, AnOpenSceneIsNoLostWall)
 {
     constexpr int rows = 120, columns = 160;
