@@ -13,6 +13,9 @@ namespace recon
 namespace
 {
 
+/// Those around a fold agree among themselves: their mean is at least so long. At the edge of a plate it is shorter.
+constexpr double agreeing = 0.5;
+
 /// Of the vertices of a closed mesh.
 Vectors weigh_corner_normals(const TriangleMesh& mesh)
 {
@@ -28,18 +31,26 @@ Vectors weigh_corner_normals(const TriangleMesh& mesh)
         }
     for (Vector& normal : normals)
         normal.normalize(); // that leaves zero vectors
-    // A vertex at which the mesh is folded takes the mean of those around.
-    Vectors around(normals.size(), Vector::Zero());
-    for (const auto& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k)
-            around[t[k]] += normals[t[(k + 1) % 3]];
-    for (std::size_t v = 0; v < normals.size(); ++v)
-        if (normals[v].dot(around[v]) <= 0)
-            normals[v] = around[v].normalized();
+    smooth_folds(mesh, normals);
     return normals;
 }
 
 } // namespace
+
+void smooth_folds(const TriangleMesh& mesh, Vectors& normals)
+{
+    Vectors around(normals.size(), Vector::Zero());
+    std::vector<int> corners(normals.size());
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+        {
+            around[t[k]] += normals[t[(k + 1) % 3]];
+            ++corners[t[k]];
+        }
+    for (std::size_t v = 0; v < normals.size(); ++v)
+        if (normals[v].dot(around[v]) <= 0 && around[v].norm() > agreeing * corners[v])
+            normals[v] = around[v].normalized();
+}
 
 CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labelled, int threads,
                                 const Progress& progress)

@@ -15,6 +15,10 @@ struct CrustNormals
     int missed = 0;  ///< Samples over half a spacing from every vertex, as where walls were filled [count].
 };
 
+/// Gives a vertex at which a closed mesh is folded, so that its normal is opposite to those around, their mean.
+/// \param normals of its vertices, of unit length or zero.
+void smooth_folds(const TriangleMesh& mesh, Vectors& normals);
+
 /// Outward normals of samples: those of the vertices of the crust through them, the faces' weighted by the sine of
 /// the corner over the lengths of its sides (Max 1999), so that lids over holes, whose sides are long, have little say
 /// at the rim. \param labelled balls of the samples. \throws AlgorithmFailure if nothing is inside. \throws

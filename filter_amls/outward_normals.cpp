@@ -4,16 +4,14 @@
 #include "face_cameras.h"
 #include "label_points.h"
 #include "mesh_attempts.h"
+#include "normals_near_crust.h"
 #include "project.h"
 
-#include <recon/block_search.h>
 #include <recon/convex_surface.h>
 #include <recon/errors.h>
 #include <recon/parallel.h>
 #include <recon/viewpoint.h>
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace recon
@@ -24,27 +22,12 @@ namespace
 /// Share of violated votes above which the crust's sides are not trusted: up to 0.045 on coarse exact clouds they are
 /// better than those of the AMLS surface, at 0.08 worse; 0.016 and 0.057 on noisy ones.
 constexpr double trusted_votes = 0.05;
-/// The surface's normal stays if it is within `agreeing` [radians] of the crust's, and more where the crust is rough
-/// [radians per spacing]; at most so much where it goes through the points [radians]. Where their noise is a third of
-/// the spacing of the crust's samples only opposite ones go: what else differs is the crust's roughness.
-constexpr double agreeing = 0.1, agreeing_roughness = 5;
-constexpr double most_agreeing_exact = 1, most_agreeing = 1.57;
-
 /// A crust through the points or, if these are noisy, through samples of their surface.
 struct TrustedCrust
 {
-    Vectors normals;         ///< One per point, zero if it has none.
-    double least_cosine = 0; ///< With the surface's normals, which stay then.
-    bool is_exact = false;   ///< Whether it goes through the points.
+    LabelledSamples found;
+    CrustNormals crust;
 };
-
-double find_least_cosine(const LabelledSamples& found, double noise)
-{
-    const double roughness =
-        found.is_exact ? found.least_roughness : noise / (found.frame.scale() * found.labelled.spacing);
-    return std::cos(
-        std::min(agreeing + agreeing_roughness * roughness, found.is_exact ? most_agreeing_exact : most_agreeing));
-}
 
 /// Of a closed cloud; none of an open one, whose crust has lids, for which its sides are chosen, unless it is one of
 /// lost tubes, which look open.
@@ -80,6 +63,8 @@ void look_for_walls(const Points& points, const AmlsSurface& surface, LabelledSa
     found = std::move(walls.found ? walls.found->found : attempt.found);
     if (walls.found)
         crust = list_crust_normals(found, threads, progress.part(0.9, 1));
+    else
+        crust.crust = crust_of(attempt);
     progress.report(1);
 }
 
@@ -104,14 +89,7 @@ std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsS
     }
     if (found->labelled.violated_votes > trusted_votes)
         return {};
-    const BlockSearch search(found->samples);
-    TrustedCrust trusted{Vectors(points.size()), find_least_cosine(*found, surface.report().noise), found->is_exact};
-    parallel_for(
-        points.size(), threads, {},
-        [&](std::size_t i)
-        { trusted.normals[i] = crust.normals[std::size_t(search.nearest(found->frame.to_unit(points[i])))]; },
-        1024);
-    return trusted;
+    return TrustedCrust{std::move(*found), std::move(crust)};
 }
 
 /// The surface's, and those of the crust where that knows better.
@@ -122,23 +100,21 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     projection.threads = options.threads;
     OutwardNormals result;
     result.surface = surface.report();
-    result.normals = project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection")).normals;
+    const AmlsProjection projected =
+        project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection"));
+    result.normals = projected.normals;
     if (!result.surface.seen_from.empty())
         return result;
-    const auto crust =
-        find_trusted_crust(points, surface, options.noise > 0, resolve_threads(options.threads), progress.part(0.6, 1));
-    if (!crust)
+    const int threads = resolve_threads(options.threads);
+    const auto trusted = find_trusted_crust(points, surface, options.noise > 0, threads, progress.part(0.6, 0.95));
+    if (!trusted)
         return result;
-    result.is_exact = crust->is_exact;
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-        const Vector& normal = crust->normals[i];
-        if (normal.squaredNorm() > 0 && normal.dot(result.normals[i]) < crust->least_cosine)
-        {
-            result.normals[i] = normal;
-            ++result.of_crust;
-        }
-    }
+    const auto& [found, crust] = *trusted;
+    result.is_exact = found.is_exact;
+    const Progress last = progress.part(0.95, 1, "normals");
+    result.of_crust = found.is_exact
+                          ? take_normals_of_exact_crust(found, crust, points, projected, threads, result.normals, last)
+                          : take_normals_beside_crust(found, crust, points, threads, result.normals, last);
     return result;
 }
 

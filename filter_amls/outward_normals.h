@@ -18,9 +18,9 @@ struct OutwardNormals
 };
 
 /// Outward unit normals of points without any: those of the AMLS surface (project_to_amls()), but where the crust of a
-/// closed cloud, see label_points(), differs from them those of its vertices. Its votes know walls of little more than
-/// a spacing from either side, where the surface's cells mix both, and edges that the surface rounds; where both agree
-/// the surface's are smoother. What cameras or scanners saw faces them, open or closed around them, and
+/// closed cloud, see label_points(), knows better its own (normals_near_crust.h). Its votes know walls of little more
+/// than a spacing from either side, where the surface's cells mix both, and edges that the surface rounds; where both
+/// agree the surface's are smoother. What cameras or scanners saw faces them, open or closed around them, and
 /// surface.seen_from are their places. Few points that all lie on their convex hull face out of it. \throws as
 /// build_amls_surface().
 OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& options = {},

@@ -17,28 +17,45 @@ using AlignedBox = Eigen::AlignedBox<double, 3>;
 /// thousand distances take a third longer.
 constexpr int run = 8;
 
+Point nearest_place(const Point& p, const Point& a, const Point& b)
+{
+    const Vector side = b - a, offset = p - a;
+    const double squared = side.squaredNorm(), t = squared > 0 ? std::clamp(offset.dot(side) / squared, 0.0, 1.0) : 0;
+    return a + t * side;
+}
+
 } // namespace
 
 double squared_distance(const Point& p, const Point& a, const Point& b)
 {
-    const Vector side = b - a, offset = p - a;
-    const double squared = side.squaredNorm(), t = squared > 0 ? std::clamp(offset.dot(side) / squared, 0.0, 1.0) : 0;
-    return (offset - t * side).squaredNorm();
+    return (nearest_place(p, a, b) - p).squaredNorm();
+}
+
+Point nearest_place(const Point& p, const Point& a, const Point& b, const Point& c)
+{
+    const Vector normal = (b - a).cross(c - a);
+    const double area = normal.squaredNorm();
+    bool is_above = area > 0;
+    double least = std::numeric_limits<double>::infinity();
+    Point nearest = a;
+    const Point* corners[4] = {&a, &b, &c, &a};
+    for (int k = 0; k < 3; ++k)
+    {
+        const Point place = nearest_place(p, *corners[k], *corners[k + 1]);
+        const double squared = (place - p).squaredNorm();
+        if (squared < least)
+        {
+            least = squared;
+            nearest = place;
+        }
+        is_above = is_above && (*corners[k + 1] - *corners[k]).cross(p - *corners[k]).dot(normal) >= 0;
+    }
+    return is_above ? Point(p - normal.dot(p - a) / area * normal) : nearest;
 }
 
 double squared_distance(const Point& p, const Point& a, const Point& b, const Point& c)
 {
-    const Vector normal = (b - a).cross(c - a);
-    double least = std::numeric_limits<double>::infinity();
-    bool is_above = normal.squaredNorm() > 0;
-    const Point* corners[4] = {&a, &b, &c, &a};
-    for (int k = 0; k < 3; ++k)
-    {
-        least = std::min(least, squared_distance(p, *corners[k], *corners[k + 1]));
-        is_above = is_above && (*corners[k + 1] - *corners[k]).cross(p - *corners[k]).dot(normal) >= 0;
-    }
-    const double height = normal.dot(p - a);
-    return is_above ? height * height / normal.squaredNorm() : least;
+    return (nearest_place(p, a, b, c) - p).squaredNorm();
 }
 
 struct TriangleTree::Boxes
@@ -75,26 +92,34 @@ struct TriangleTree::Boxes
 namespace
 {
 
-/// With the names that Eigen calls.
+/// With the names that Eigen calls. Keeps the nearest triangle.
 template <typename Boxes>
-struct DistanceQuery
+struct NearestQuery
 {
     using Scalar = double;
 
     double minimumOnVolume(const AlignedBox& box) const { return box.squaredExteriorDistance(p); }
-    double minimumOnObject(int begin) const
+    double minimumOnObject(int begin)
     {
-        double least = std::numeric_limits<double>::infinity();
+        double least_of_run = std::numeric_limits<double>::infinity();
         for (int i = begin; i < boxes.end_of_run(begin); ++i)
         {
             const auto& [a, b, c] = boxes.triangles[i];
-            least = std::min(least, squared_distance(p, boxes.vertices[a], boxes.vertices[b], boxes.vertices[c]));
+            const double squared = squared_distance(p, boxes.vertices[a], boxes.vertices[b], boxes.vertices[c]);
+            least_of_run = std::min(least_of_run, squared);
+            if (squared < least)
+            {
+                least = squared;
+                triangle = i;
+            }
         }
-        return least;
+        return least_of_run;
     }
 
     const Point& p;
     const Boxes& boxes;
+    double least = std::numeric_limits<double>::infinity();
+    int triangle = -1;
 };
 
 /// With the names that Eigen calls. Nothing found ends the search.
@@ -128,8 +153,16 @@ double TriangleTree::squared_distance_from(const Point& p) const
 {
     if (boxes_->triangles.empty())
         return std::numeric_limits<double>::infinity();
-    DistanceQuery<Boxes> query{p, *boxes_};
+    NearestQuery<Boxes> query{p, *boxes_};
     return Eigen::BVMinimize(boxes_->tree, query);
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const Point& p) const
+{
+    NearestQuery<Boxes> query{p, *boxes_};
+    Eigen::BVMinimize(boxes_->tree, query);
+    const auto& [a, b, c] = boxes_->triangles[std::size_t(query.triangle)];
+    return {query.triangle, nearest_place(p, boxes_->vertices[a], boxes_->vertices[b], boxes_->vertices[c])};
 }
 
 void TriangleTree::visit_near(const Box& box, const std::function<void(int)>& visit) const

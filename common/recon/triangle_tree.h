@@ -13,7 +13,10 @@ namespace recon
 /// Squared distance [length^2] from p to the segment from a to b, which may be a point.
 double squared_distance(const Point& p, const Point& a, const Point& b);
 
-/// Squared distance [length^2] from p to the triangle a, b, c, which may be a segment or a point.
+/// The place on the triangle a, b, c nearest to p. The triangle may be a segment or a point.
+Point nearest_place(const Point& p, const Point& a, const Point& b, const Point& c);
+
+/// Squared distance [length^2] from p to it.
 double squared_distance(const Point& p, const Point& a, const Point& b, const Point& c);
 
 /// A tree of boxes around triangles, made for few questions to many triangles. Any number of threads may ask.
@@ -29,6 +32,14 @@ public:
 
     /// Squared distance [length^2] from p to the nearest triangle; infinite if there is none.
     double squared_distance_from(const Point& p) const;
+
+    struct Nearest
+    {
+        int triangle;
+        Point place; ///< On it.
+    };
+    /// The nearest triangle. \pre There is one.
+    Nearest nearest(const Point& p) const;
 
     /// Calls visit(triangle) for those whose boxes meet this one, in any order.
     void visit_near(const Box& box, const std::function<void(int)>& visit) const;

@@ -64,6 +64,10 @@ TEST(TriangleTree, FindsTheNearestTriangleAndThoseNearABox)
         tree.visit_near(box, [&](int t) { found.push_back(t); });
         std::sort(found.begin(), found.end());
         EXPECT_EQ(tree.squared_distance_from(p), least);
+        const auto [triangle, place] = tree.nearest(p);
+        const auto& [a, b, c] = mesh.triangles[std::size_t(triangle)];
+        EXPECT_EQ((place - p).squaredNorm(), least);
+        EXPECT_LT(squared_distance(place, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]), 1e-24);
         EXPECT_EQ(found, near);
     }
 }
