@@ -22,12 +22,9 @@ namespace
 /// The surface's normal stays within `agreeing` of that of an exact crust, and more where that is rough [radians per
 /// spacing]. Beyond `tilted` roughness does not explain how far they part.
 constexpr double agreeing = 0.1, agreeing_roughness = 5, tilted_roughness = 100, most_agreeing = 1;
-/// An exact crust's vertices around agree if their mean is as far from the surface's normal as this share of the angle
-/// between both. With noise of 0.05 spacings it replaces one normal in a hundred then.
-constexpr double agreeing_around = 0.6;
 /// A surface that passes an exact point, or one of those around, at more than this rounds a detail [spacings]; more
 /// where the crust is rough.
-constexpr double passes_by = 0.04, passes_by_roughness = 5;
+constexpr double passes_by = 0.02, passes_by_roughness = 5;
 /// Of a crust through samples, the surface's normal stays within this [radians]. The crust's are as good there, but
 /// where the surface is smooth.
 constexpr double agreeing_beside = 0.4;
@@ -50,43 +47,33 @@ double angle_between(const Vector& a, const Vector& b)
     return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
 }
 
-/// A sample and the six nearest others.
-struct Around
-{
-    double spacing = 0;           ///< Mean distance of the others [length].
-    double passed = 0;            ///< The most by which the surface passes one of them [length].
-    Vector mean = Vector::Zero(); ///< Of the others' normals, of unit length.
-};
-
-class ExactCrust
+/// How closely a surface passes by exact samples.
+class Passing
 {
 public:
-    /// \param passed_by by how much the surface passes each sample [length].
-    ExactCrust(const Points& samples, const Vectors& normals, const BlockSearch& search, std::vector<double> passed_by)
-        : samples_(samples), normals_(normals), search_(search), passed_by_(std::move(passed_by))
+    /// \param passed_by by how much it passes each sample [length].
+    Passing(const Points& samples, const BlockSearch& search, std::vector<double> passed_by)
+        : samples_(samples), search_(search), passed_by_(std::move(passed_by))
     {
     }
 
-    Around look_around(int sample) const
+    /// The most by which it passes the sample or one of the six nearest others [their mean distance].
+    double at(int sample) const
     {
         std::array<int, around> indices;
         std::array<double, around> squared;
         const int count = search_.nearest(samples_[std::size_t(sample)], around, indices.data(), squared.data());
-        Around found{0, passed_by_[std::size_t(sample)]};
-        for (int k = 1; k < count; ++k)
+        double spacing = 0, passed = 0;
+        for (int k = 0; k < count; ++k)
         {
-            const auto other = std::size_t(indices[std::size_t(k)]);
-            found.spacing += std::sqrt(squared[std::size_t(k)]) / (count - 1);
-            found.passed = std::max(found.passed, passed_by_[other]);
-            found.mean += normals_[other];
+            spacing += std::sqrt(squared[std::size_t(k)]) / (count - 1);
+            passed = std::max(passed, passed_by_[std::size_t(indices[std::size_t(k)])]);
         }
-        found.mean.normalize();
-        return found;
+        return passed / spacing;
     }
 
 private:
     const Points& samples_;
-    const Vectors& normals_;
     const BlockSearch& search_;
     std::vector<double> passed_by_;
 };
@@ -206,23 +193,18 @@ int take_normals_of_exact_crust(const LabelledSamples& found, const CrustNormals
     for (std::size_t i = 0; i < points.size(); ++i)
         if (nearest.squared[i] == 0) // others were left out
             passed_by[std::size_t(nearest.sample[i])] = (surface.points[i] - points[i]).norm() / found.frame.scale();
-    const ExactCrust exact(found.samples, crust.normals, search, std::move(passed_by));
-    const auto allow = [&](double by_roughness)
-    { return std::min(agreeing + by_roughness * found.least_roughness, most_agreeing); };
-    const double least = allow(agreeing_roughness), most = allow(tilted_roughness);
-    const double rounded = passes_by + passes_by_roughness * found.least_roughness;
+    const Passing passing(found.samples, search, std::move(passed_by));
+    const double least = std::min(agreeing + agreeing_roughness * found.least_roughness, most_agreeing),
+                 most = std::min(agreeing + tilted_roughness * found.least_roughness, most_agreeing),
+                 rounded = passes_by + passes_by_roughness * found.least_roughness;
     return replace(normals, threads, progress.part(0.5, 1, "normals"),
                    [&](std::size_t i) -> Vector
                    {
                        const Vector& normal = crust.normals[std::size_t(nearest.sample[i])];
                        const double angle = angle_between(normal, normals[i]);
-                       if (angle < least || angle > most)
-                           return angle > most ? normal : Vector::Zero();
-                       const Around beside = exact.look_around(nearest.sample[i]);
-                       const bool is_rounded = beside.passed > rounded * beside.spacing;
-                       return is_rounded || angle_between(beside.mean, normals[i]) > agreeing_around * angle
-                                  ? normal
-                                  : Vector::Zero();
+                       const bool is_better =
+                           angle > most || (angle >= least && passing.at(nearest.sample[i]) > rounded);
+                       return is_better ? normal : Vector::Zero();
                    });
 }
 

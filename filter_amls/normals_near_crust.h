@@ -12,8 +12,8 @@ namespace recon
 
 /// Puts normals of a crust in the place of those of the AMLS surface, where it knows better which way points face. Of a
 /// crust through exact points those of its vertices: it has edges and spikes that the surface rounds. But it is rough
-/// where these have noise of a hundredth of their spacing, so it has a say only where the surface passes by the point,
-/// or where its vertices around agree. \param surface of the points, projected. \param normals of the points; some are
+/// where these have noise of a hundredth of their spacing, so it has a say only where the surface passes by the point
+/// or those around. \param surface of the points, projected. \param normals of the points; some are
 /// replaced. \returns how many. \throws Cancelled.
 int take_normals_of_exact_crust(const LabelledSamples& found, const CrustNormals& crust, const Points& points,
                                 const AmlsProjection& surface, int threads, Vectors& normals,
