@@ -16,29 +16,31 @@ namespace
 /// Those around a fold agree among themselves: their mean is at least so long. At the edge of a plate it is shorter.
 constexpr double agreeing = 0.5;
 
-/// Of the vertices of a closed mesh.
-Vectors weigh_corner_normals(const TriangleMesh& mesh)
+/// After Max 1999.
+Vectors weigh_by_sides(const TriangleMesh& mesh)
 {
-    Vectors normals(mesh.vertices.size(), Vector::Zero());
-    for (const auto& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k)
-        {
-            const Point& corner = mesh.vertices[t[k]];
-            const Vector a = mesh.vertices[t[(k + 1) % 3]] - corner, b = mesh.vertices[t[(k + 2) % 3]] - corner;
-            const double lengths = a.squaredNorm() * b.squaredNorm();
-            if (lengths > 0)
-                normals[t[k]] += a.cross(b) / lengths;
-        }
-    for (Vector& normal : normals)
-        normal.normalize(); // that leaves zero vectors
-    smooth_folds(mesh, normals);
-    return normals;
+    return sum_corner_normals(mesh,
+                              [&](const std::array<int, 3>& t, int k) -> Vector
+                              {
+                                  const Point& corner = mesh.vertices[t[k]];
+                                  const Vector a = mesh.vertices[t[(k + 1) % 3]] - corner,
+                                               b = mesh.vertices[t[(k + 2) % 3]] - corner;
+                                  const double lengths = a.squaredNorm() * b.squaredNorm();
+                                  return lengths > 0 ? Vector(a.cross(b) / lengths) : Vector::Zero();
+                              });
 }
 
 } // namespace
 
-void smooth_folds(const TriangleMesh& mesh, Vectors& normals)
+Vectors sum_corner_normals(const TriangleMesh& mesh,
+                           const std::function<Vector(const std::array<int, 3>&, int)>& at_corner)
 {
+    Vectors normals(mesh.vertices.size(), Vector::Zero());
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+            normals[t[k]] += at_corner(t, k);
+    for (Vector& normal : normals)
+        normal.normalize(); // that leaves zero vectors
     Vectors around(normals.size(), Vector::Zero());
     std::vector<int> corners(normals.size());
     for (const auto& t : mesh.triangles)
@@ -50,6 +52,7 @@ void smooth_folds(const TriangleMesh& mesh, Vectors& normals)
     for (std::size_t v = 0; v < normals.size(); ++v)
         if (normals[v].dot(around[v]) <= 0 && around[v].norm() > agreeing * corners[v])
             normals[v] = around[v].normalized();
+    return normals;
 }
 
 CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labelled, int threads,
@@ -61,7 +64,7 @@ CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labe
     options.threads = threads;
     CrustNormals result;
     result.crust = make_crust(labelled, options, progress);
-    const Vectors vertex_normals = weigh_corner_normals(result.crust);
+    const Vectors vertex_normals = weigh_by_sides(result.crust);
     const BlockSearch search(result.crust.vertices);
     result.normals.resize(samples.size());
     std::vector<char> is_missed(samples.size());

@@ -4,6 +4,9 @@
 #include <recon/labelled_balls.h>
 #include <recon/progress.h>
 
+#include <array>
+#include <functional>
+
 namespace recon
 {
 
@@ -15,9 +18,11 @@ struct CrustNormals
     int missed = 0;  ///< Samples over half a spacing from every vertex, as where walls were filled [count].
 };
 
-/// Gives a vertex at which a closed mesh is folded, so that its normal is opposite to those around, their mean.
-/// \param normals of its vertices, of unit length or zero.
-void smooth_folds(const TriangleMesh& mesh, Vectors& normals);
+/// Normals of the vertices of a closed mesh, of unit length or zero: sums of what the faces at each contribute. One
+/// that is opposite to those around, as where the mesh is folded, is their mean, if these agree. \param at_corner what
+/// a triangle contributes at one of its corners, 0 to 2.
+Vectors sum_corner_normals(const TriangleMesh& mesh,
+                           const std::function<Vector(const std::array<int, 3>&, int)>& at_corner);
 
 /// Outward normals of samples: those of the vertices of the crust through them, the faces' weighted by the sine of
 /// the corner over the lengths of its sides (Max 1999), so that lids over holes, whose sides are long, have little say

@@ -120,8 +120,7 @@ std::vector<char> find_plain_samples(const Points& samples, const Vectors& norma
 class MeshNormals
 {
 public:
-    explicit MeshNormals(const TriangleMesh& mesh)
-        : mesh_(mesh), sides_(mesh.vertices.size()), normals_(mesh.vertices.size(), Vector::Zero())
+    explicit MeshNormals(const TriangleMesh& mesh) : mesh_(mesh), sides_(mesh.vertices.size())
     {
         std::vector<std::vector<double>> sides(mesh.vertices.size());
         for (const auto& t : mesh.triangles)
@@ -129,15 +128,8 @@ public:
                 sides[std::size_t(t[k])].push_back(side(t, k));
         for (std::size_t v = 0; v < sides.size(); ++v)
             sides_[v] = median(std::move(sides[v]));
-        for (const auto& t : mesh.triangles)
-        {
-            const Vector normal = cross(t).normalized();
-            for (int k = 0; k < 3; ++k)
-                normals_[std::size_t(t[k])] += weight_at(t, k) * normal;
-        }
-        for (Vector& normal : normals_)
-            normal.normalize(); // that leaves zero vectors
-        smooth_folds(mesh, normals_);
+        normals_ = sum_corner_normals(
+            mesh, [&](const Triangle& t, int k) -> Vector { return weight_at(t, k) * cross(t).normalized(); });
     }
 
     /// Linear between those of the corners. \param place on the triangle.

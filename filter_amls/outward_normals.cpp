@@ -22,6 +22,7 @@ namespace
 /// Share of violated votes above which the crust's sides are not trusted: up to 0.045 on coarse exact clouds they are
 /// better than those of the AMLS surface, at 0.08 worse; 0.016 and 0.057 on noisy ones.
 constexpr double trusted_votes = 0.05;
+
 /// A crust through the points or, if these are noisy, through samples of their surface.
 struct TrustedCrust
 {
@@ -50,7 +51,7 @@ CrustNormals list_crust_normals(const LabelledSamples& found, int threads, const
 void look_for_walls(const Points& points, const AmlsSurface& surface, LabelledSamples& found, CrustNormals& crust,
                     int threads, const Progress& progress)
 {
-    MeshAttempt attempt{surface, std::move(found), std::move(crust.crust)};
+    MeshAttempt attempt{surface, std::move(found), crust.crust};
     attempt.found.frame.from_unit_in_place(attempt.mesh.vertices);
     MeshedWalls walls;
     if (seems_filled(points, attempt, threads))
@@ -63,8 +64,6 @@ void look_for_walls(const Points& points, const AmlsSurface& surface, LabelledSa
     found = std::move(walls.found ? walls.found->found : attempt.found);
     if (walls.found)
         crust = list_crust_normals(found, threads, progress.part(0.9, 1));
-    else
-        crust.crust = crust_of(attempt);
     progress.report(1);
 }
 

@@ -208,8 +208,6 @@ TEST(NoisyPowerCrust, AnOpenNoisyScanHasLostNoWalls)
     }
 }
 
-// A ball before a wall as a depth camera sees them, noise growing with the square of the depth. Votes object to any way
-// of closing it; less noise, as for a lost wall, would make lace of the wall.
 TEST(NoisyPowerCrust, PlanesOfALatticeAreNoLostWalls)
 {
     const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::half_torus_on_lattice());
@@ -217,6 +215,8 @@ TEST(NoisyPowerCrust, PlanesOfALatticeAreNoLostWalls)
     EXPECT_TRUE(crust.warnings.empty()) << crust.warnings.front();
 }
 
+// A ball before a wall as a depth camera sees them, noise growing with the square of the depth. Votes object to any way
+// of closing it; less noise, as for a lost wall, would make lace of the wall.
 TEST(NoisyPowerCrust, AnOpenSceneIsNoLostWall)
 {
     constexpr int rows = 120, columns = 160;
