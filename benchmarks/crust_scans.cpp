@@ -47,6 +47,9 @@ const std::vector<Scanner> scanners = {
     {"20 views, noise 0.05 %, 0.1 % out of register", 20, 0.05, 0.1, 0},
     {"20 views, noise 0.05 %, 0.05 % out of register, flying points", 20, 0.05, 0.05, 0.3},
     {"8 views, noise 0.05 %, 0.05 % out of register", 8, 0.05, 0.05, 0},
+    {"20 views, noise 0.05 %, 0.3 % out of register", 20, 0.05, 0.3, 0},
+    {"8 views, noise 0.05 %, 0.3 % out of register", 8, 0.05, 0.3, 0},
+    {"8 views, noise 0.05 %, 0.6 % out of register", 8, 0.05, 0.6, 0},
 };
 
 Points scan(const Model& model, const MeshDistance& surface, const Scanner& scanner, int pixels, unsigned seed)

@@ -3,13 +3,16 @@
 #include "smooth_mesh.h"
 #include "surface_data.h"
 
+#include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
 #include <recon/parallel.h>
+#include <recon/weaving.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace recon
@@ -154,6 +157,41 @@ MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstruction
     }
     if (last && open_lids(*last, points, options, mismatch.sum(), times, progress.part(0.9, 1)))
         return {std::move(last)};
+    return {};
+}
+
+std::optional<MeshAttempt> look_between_sheets(const Points& points, const AmlsReconstructionOptions& options,
+                                               const MeshAttempt& first, PhaseTimes& times, const Progress& progress)
+{
+    const LabelledSamples& found = first.found;
+    const AmlsSurfaceReport& report = first.surface.report();
+    const bool is_settled = found.is_exact || found.is_settled || found.backs > 0 || found.completed > 0;
+    if (is_settled || report.open ||
+        !may_weave(found.labelled.violated_votes, report.noise / found.frame.scale() / found.labelled.spacing))
+        return {};
+    const int threads = resolve_threads(options.threads);
+    const Points claimed = points_at(found.claimed, points);
+    const auto describe = [](const MeshAttempt& attempt)
+    {
+        return Woven{attempt.found.labelled.violated_votes, measure_volume(attempt.mesh),
+                     measure_closed_topology(attempt.mesh).genus()};
+    };
+    const Woven woven = describe(first);
+    constexpr int most = int(std::size(reach_over_sheets));
+    for (int i = 0; i < most; ++i)
+    {
+        try
+        {
+            const double noise = reach_over_sheets[i] * report.noise;
+            MeshAttempt wide = attempt_mesh(points, options, noise, &first, times,
+                                            progress.part(double(i) / most, (i + 1.0) / most, "more noise"));
+            if (lies_between_sheets(woven, describe(wide), measure_beyond_noise(claimed, wide.mesh, noise, threads)))
+                return wide;
+        }
+        catch (const AlgorithmFailure&) // nothing is inside
+        {
+        }
+    }
     return {};
 }
 

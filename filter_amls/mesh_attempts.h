@@ -49,4 +49,9 @@ struct MeshedWalls
 MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstructionOptions& options,
                                   const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
 
+/// An attempt with more noise that lies between sheets among which the first weaves, see weaving.h; none if it does not
+/// weave, or no such attempt does better. \param first attempt, whose noise was estimated. 	hrows Cancelled.
+std::optional<MeshAttempt> look_between_sheets(const Points& points, const AmlsReconstructionOptions& options,
+                                               const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
+
 } // namespace recon

@@ -28,6 +28,7 @@ struct TrustedCrust
 {
     LabelledSamples found;
     CrustNormals crust;
+    double noise_between = 0; ///< Assumed where it lies between sheets, see weaving.h; else 0 [length].
 };
 
 /// Of a closed cloud; none of an open one, whose crust has lids, for which its sides are chosen, unless it is one of
@@ -47,24 +48,26 @@ CrustNormals list_crust_normals(const LabelledSamples& found, int threads, const
     return list_crust_normals(found.samples, found.labelled, threads, progress);
 }
 
-/// With less noise, where that shows walls that were taken for noise.
-void look_for_walls(const Points& points, const AmlsSurface& surface, LabelledSamples& found, CrustNormals& crust,
-                    int threads, const Progress& progress)
+/// With less noise, where that shows walls that were taken for noise, or with more, where the surface weaves.
+/// \returns that more noise, else 0.
+double try_other_noise(const Points& points, const AmlsSurface& surface, LabelledSamples& found, CrustNormals& crust,
+                       int threads, const Progress& progress)
 {
     MeshAttempt attempt{surface, std::move(found), crust.crust};
     attempt.found.frame.from_unit_in_place(attempt.mesh.vertices);
-    MeshedWalls walls;
+    AmlsReconstructionOptions options;
+    options.threads = threads;
+    PhaseTimes times;
+    std::optional<MeshAttempt> walls, between;
     if (seems_filled(points, attempt, threads))
-    {
-        AmlsReconstructionOptions options;
-        options.threads = threads;
-        PhaseTimes times;
-        walls = look_for_meshed_walls(points, options, attempt, times, progress.part(0, 0.9));
-    }
-    found = std::move(walls.found ? walls.found->found : attempt.found);
-    if (walls.found)
+        walls = look_for_meshed_walls(points, options, attempt, times, progress.part(0, 0.5)).found;
+    if (!walls)
+        between = look_between_sheets(points, options, attempt, times, progress.part(0.5, 0.9));
+    found = std::move(walls ? walls->found : between ? between->found : attempt.found);
+    if (walls || between)
         crust = list_crust_normals(found, threads, progress.part(0.9, 1));
     progress.report(1);
+    return between ? between->surface.report().noise : 0;
 }
 
 /// None if it is not to be trusted.
@@ -73,6 +76,7 @@ std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsS
 {
     std::optional<LabelledSamples> found;
     CrustNormals crust;
+    double noise_between = 0;
     try
     {
         found = label(points, surface, is_noise_given, threads, progress.part(0, 0.4));
@@ -80,7 +84,7 @@ std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsS
             return {};
         crust = list_crust_normals(*found, threads, progress.part(0.4, 0.5, "crust"));
         if (!is_noise_given)
-            look_for_walls(points, surface, *found, crust, threads, progress.part(0.5, 1));
+            noise_between = try_other_noise(points, surface, *found, crust, threads, progress.part(0.5, 1));
     }
     catch (const AlgorithmFailure&) // nothing is inside
     {
@@ -88,27 +92,39 @@ std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsS
     }
     if (found->labelled.violated_votes > trusted_votes)
         return {};
-    return TrustedCrust{std::move(*found), std::move(crust)};
+    return TrustedCrust{std::move(*found), std::move(crust), noise_between};
 }
 
 /// The surface's, and those of the crust where that knows better.
 OutwardNormals find_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
 {
-    const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.5, "AMLS surface"));
-    AmlsProjectionOptions projection;
-    projection.threads = options.threads;
     OutwardNormals result;
-    result.surface = surface.report();
-    const AmlsProjection projected =
-        project_to_amls(points, surface, projection, progress.part(0.5, 0.6, "AMLS projection"));
-    result.normals = projected.normals;
+    AmlsProjection projected;
+    const int threads = resolve_threads(options.threads);
+    const auto project = [&](const AmlsSurface& surface, const Progress& part)
+    {
+        AmlsProjectionOptions projection;
+        projection.threads = options.threads;
+        projected = project_to_amls(points, surface, projection, part);
+        result.surface = surface.report();
+        result.normals = projected.normals;
+    };
+    const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.5, "AMLS surface"));
+    project(surface, progress.part(0.5, 0.6, "AMLS projection"));
     if (!result.surface.seen_from.empty())
         return result;
-    const int threads = resolve_threads(options.threads);
-    const auto trusted = find_trusted_crust(points, surface, options.noise > 0, threads, progress.part(0.6, 0.95));
+    const auto trusted = find_trusted_crust(points, surface, options.noise > 0, threads, progress.part(0.6, 0.9));
     if (!trusted)
         return result;
-    const auto& [found, crust] = *trusted;
+    const auto& [found, crust, noise_between] = *trusted;
+    if (noise_between > 0)
+    {
+        AmlsOptions wider = options;
+        wider.noise = noise_between;
+        project(build_amls_surface(points, wider, progress.part(0.9, 0.94, "AMLS surface"), {}, &surface),
+                progress.part(0.94, 0.95, "AMLS projection"));
+        result.lies_between_sheets = true;
+    }
     result.is_exact = found.is_exact;
     const Progress last = progress.part(0.95, 1, "normals");
     result.of_crust = found.is_exact

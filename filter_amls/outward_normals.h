@@ -13,8 +13,9 @@ struct OutwardNormals
 {
     Vectors normals; ///< Of unit length, one per point; consistent only where surface.open.
     AmlsSurfaceReport surface;
-    bool is_exact = false; ///< Whether the points are exact, so that the crust went through them.
-    int of_crust = 0;      ///< Points whose normal is the crust's [count].
+    bool is_exact = false;            ///< Whether the points are exact, so that the crust went through them.
+    bool lies_between_sheets = false; ///< Whether the surface was made with more noise, see weaving.h.
+    int of_crust = 0;                 ///< Points whose normal is the crust's [count].
 };
 
 /// Outward unit normals of points without any: those of the AMLS surface (project_to_amls()), but where the crust of a

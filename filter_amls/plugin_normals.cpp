@@ -6,6 +6,7 @@
 #include "project.h"
 
 #include <meshlab/shared_parameters.h>
+#include <recon/weaving.h>
 
 #include <algorithm>
 #include <cmath>
@@ -104,6 +105,8 @@ plugin::FilterResult compute_normals(const plugin::InputLayer& layer, const Ball
     add_report(found.surface, result);
     result.values.emplace_back("exact", found.is_exact);
     result.values.emplace_back("normals_of_crust", found.of_crust);
+    if (found.lies_between_sheets)
+        result.log.push_back(recon::out_of_register_text);
     return result;
 }
 

@@ -13,6 +13,7 @@
 #include <recon/taut_closing.h>
 #include <recon/trim.h>
 #include <recon/viewpoint.h>
+#include <recon/weaving.h>
 
 #include <algorithm>
 #include <optional>
@@ -81,36 +82,76 @@ AmlsReconstruction take_hull(ConvexSurface hull)
     return result;
 }
 
+/// The attempt that stays.
+struct ChosenAttempt
+{
+    MeshAttempt attempt;
+    bool has_found_walls = false;
+    bool may_lack_walls = false;
+    bool is_between_sheets = false;
+};
+
+ChosenAttempt choose_attempt(const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
+                             const Progress& progress)
+{
+    ChosenAttempt chosen{attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.75))};
+    chosen.may_lack_walls = seems_filled(points, chosen.attempt, resolve_threads(options.threads));
+    if (options.noise != 0)
+        return chosen;
+    if (chosen.may_lack_walls)
+    {
+        MeshedWalls walls = look_for_meshed_walls(points, options, chosen.attempt, times, progress.part(0.75, 0.95));
+        chosen.has_found_walls = walls.found.has_value();
+        chosen.may_lack_walls = !walls.found && !walls.has_none;
+        if (walls.found)
+        {
+            chosen.attempt = std::move(*walls.found);
+            return chosen;
+        }
+    }
+    if (std::optional<MeshAttempt> between =
+            look_between_sheets(points, options, chosen.attempt, times, progress.part(0.95, 1)))
+        return {std::move(*between), false, false, true};
+    return chosen;
+}
+
+std::vector<std::string> list_warnings(const ChosenAttempt& chosen)
+{
+    const LabelledSamples& found = chosen.attempt.found;
+    const double violated = found.labelled.violated_votes;
+    std::vector<std::string> warnings;
+    const auto add = [&](const std::string& text)
+    {
+        if (!text.empty())
+            warnings.push_back(text);
+    };
+    if (chosen.is_between_sheets)
+        add(out_of_register_text);
+    add(describe(chosen.attempt.dropped));
+    add(describe_violation(violated));
+    if (found.lost_sheets > 0)
+        add(describe_backs(found.lost_sheets));
+    add(describe_thin_walls(chosen.attempt.is_opened, chosen.has_found_walls, violated));
+    if (chosen.may_lack_walls)
+        add(std::string(lost_walls_text) +
+            " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
+    return warnings;
+}
+
 AmlsReconstruction reconstruct(const Points& points, const AmlsReconstructionOptions& options, const Progress& progress)
 {
     AmlsReconstruction result;
     PhaseTimes times;
-    MeshAttempt attempt = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7));
+    ChosenAttempt chosen = choose_attempt(points, options, times, progress.part(0, 0.94));
+    result.warnings = list_warnings(chosen);
+    MeshAttempt& attempt = chosen.attempt;
     const int threads = resolve_threads(options.threads);
-    const bool seemed_filled = seems_filled(points, attempt, threads);
-    MeshedWalls walls;
-    if (seemed_filled && options.noise == 0)
-        walls = look_for_meshed_walls(points, options, attempt, times, progress.part(0.7, 0.95));
-    if (walls.found)
-        attempt = std::move(*walls.found);
     const LabelledSamples& found = attempt.found;
     result.surface = attempt.surface.report();
     result.outliers = found.outliers;
     result.samples = int(found.samples.size()) - found.backs;
     result.completed = found.completed;
     result.violated_votes = found.labelled.violated_votes;
-    for (const std::string& text : {describe(attempt.dropped), describe_violation(result.violated_votes)})
-        if (!text.empty())
-            result.warnings.push_back(text);
-    if (found.lost_sheets > 0)
-        result.warnings.push_back(describe_backs(found.lost_sheets));
-    if (const std::string text = describe_thin_walls(attempt.is_opened, walls.found.has_value(), result.violated_votes);
-        !text.empty())
-        result.warnings.push_back(text);
-    if (seemed_filled && !walls.found && !walls.has_none)
-        result.warnings.push_back(
-            std::string(lost_walls_text) +
-            " Use the filter Surface Reconstruction: Noisy Power Crust, which looks for such walls.");
     times.begin("closing");
     draw_closings_taut(attempt, threads);
     const TriangleMesh crust = crust_of(attempt);

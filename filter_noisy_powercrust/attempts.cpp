@@ -21,7 +21,7 @@ LabelledCloud Attempts::prepare_and_label(Denoise denoise, double noise, const P
     chosen.denoise = denoise;
     chosen.noise = noise;
     PreparedSamples cloud = prepare_samples(points, chosen, latest_, times, progress.part(0, 0.35, "preparation"));
-    noise_ = std::max(noise_, cloud.noise);
+    known_.noise = std::max(known_.noise, cloud.noise);
     const BallLimit limit = limit_for(cloud);
     return label(std::move(cloud), limit, progress.part(0.35, 1, "labels"));
 }
@@ -56,7 +56,7 @@ LabelledCloud Attempts::label(PreparedSamples cloud, BallLimit limit, const Prog
     labelling.limit = limit;
     labelling.most_violated = most_violated;
     LabelledCloud found = label_samples(std::move(cloud), labelling, times, progress);
-    is_sharing_disputed_ |=
+    known_.is_sharing_disputed |=
         found.cloud.denoised && labelling.sharing == BallSharing::undisputed && !found.labelled.is_shared;
     return found;
 }
@@ -92,10 +92,10 @@ BallLabellingOptions Attempts::options_for(const PreparedSamples& cloud) const
     BallLabellingOptions result = labelling_;
     result.ball_threshold /= cloud.frame.scale();
     result.noise /= cloud.frame.scale();
-    result.noise_taken = noise_ / cloud.frame.scale();
+    result.noise_taken = known_.noise / cloud.frame.scale();
     // A denoised cloud is sampled evenly. The crust of a clean one goes through the samples afterwards, as it must,
     // see share_poles().
-    if (cloud.denoised ? is_sharing_disputed_ : cloud.is_noisy || cloud.cleanness <= well_sampled)
+    if (cloud.denoised ? known_.is_sharing_disputed : cloud.is_noisy || cloud.cleanness <= well_sampled)
         result.sharing = BallSharing::none;
     return result;
 }

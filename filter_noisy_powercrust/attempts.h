@@ -55,8 +55,18 @@ public:
     BallLabellingOptions options_for(const PreparedSamples& cloud) const;
     BallLabellingOptions usual_options_for(const PreparedSamples& cloud) const;
 
+    /// What attempts leave for the next: after one that was in vain, what was known before it.
+    struct Known
+    {
+        double noise = 0;
+        bool is_sharing_disputed =
+            false; ///< Of samples of an earlier denoised attempt: those of the next would be, too.
+    };
+    const Known& known() const { return known_; }
+    void forget(const Known& before) { known_ = before; }
+
     /// The most noise that was estimated or given so far [length]; attempts that assume less do not have less.
-    double noise() const { return noise_; }
+    double noise() const { return known_.noise; }
     int threads() const { return labelling_.threads; }
 
     const Points& points;
@@ -68,8 +78,7 @@ private:
 
     const BallLabellingOptions& labelling_;
     LatestSurface latest_;
-    double noise_ = 0;
-    bool is_sharing_disputed_ = false; ///< Of samples of an earlier denoised attempt: those of the next would be, too.
+    Known known_;
 };
 
 } // namespace recon

@@ -12,7 +12,10 @@
 #include <recon/errors.h>
 #include <recon/level_sheet.h>
 #include <recon/mismatch.h>
+#include <recon/weaving.h>
 
+#include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -119,6 +122,30 @@ public:
         return true;
     }
 
+    /// Scans out of register, with the noise that reaches over all of them, see weaving.h.
+    LabelledCloud look_between_sheets(LabelledCloud found, const Progress& progress)
+    {
+        const PreparedSamples& cloud = found.cloud;
+        const bool is_settled = found.completed > 0 || found.opened || found.found_walls || is_open(cloud);
+        if (is_settled || attempts_.points.size() > most_points_twice ||
+            !may_weave(found.labelled.violated_votes, cloud.noise / cloud.frame.scale() / found.labelled.spacing))
+            return found;
+        const Woven first = describe_crust(found, attempts_.extract(found));
+        Points claimed = points_at(cloud.claimed, cloud.distinct);
+        cloud.frame.from_unit_in_place(claimed);
+        const Attempts::Known known = attempts_.known();
+        constexpr int most = int(std::size(reach_over_sheets));
+        for (int i = 0; i < most; ++i)
+        {
+            std::optional<LabelledCloud> wide = label_wide(reach_over_sheets[i] * cloud.noise, first, claimed,
+                                                           progress.part(double(i) / most, (i + 1.0) / most));
+            if (wide)
+                return std::move(*wide);
+        }
+        attempts_.forget(known);
+        return found;
+    }
+
     /// A scan whose sheets have the outside on both sides, with backs behind these.
     LabelledCloud back_lost_sheets(LabelledCloud found, const Progress& progress)
     {
@@ -163,6 +190,34 @@ public:
     }
 
 private:
+    static Woven describe_crust(const LabelledCloud& found, const TriangleMesh& crust)
+    {
+        return {found.labelled.violated_votes, measure_volume(crust) * std::pow(found.cloud.frame.scale(), 3),
+                measure_closed_topology(crust).genus()};
+    }
+
+    /// With more noise, if its crust lies between the sheets among which the first wove. \param claimed points [input
+    /// units].
+    std::optional<LabelledCloud> label_wide(double noise, const Woven& first, const Points& claimed,
+                                            const Progress& progress)
+    {
+        try
+        {
+            LabelledCloud wide = attempts_.prepare_and_label(Denoise::on, noise, progress);
+            const TriangleMesh crust = attempts_.extract(wide);
+            const UnitFrame& frame = wide.cloud.frame;
+            const double beyond =
+                measure_beyond_noise(frame.to_unit(claimed), crust, noise / frame.scale(), attempts_.threads());
+            wide.is_between_sheets = true;
+            if (wide.completed == 0 && lies_between_sheets(first, describe_crust(wide, crust), beyond))
+                return wide;
+        }
+        catch (const AlgorithmFailure&) // nothing is inside
+        {
+        }
+        return {};
+    }
+
     static bool may_be_tubes(const LabelledCloud& first)
     {
         const PreparedSamples& cloud = first.cloud;
@@ -293,7 +348,8 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     {
         if (labeller.back_noisy_sheet(first, progress.part(0.7, 0.75, "backs of sheets")))
             return first;
-        first = look_for_walls(attempts, std::move(first), progress.part(0.75, 0.9, "other attempts"));
+        first = look_for_walls(attempts, std::move(first), progress.part(0.75, 0.85, "other attempts"));
+        first = labeller.look_between_sheets(std::move(first), progress.part(0.85, 0.9, "more noise"));
     }
     if (has_bare_flats)
         return first;

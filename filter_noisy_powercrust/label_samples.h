@@ -22,7 +22,8 @@ struct LabelledCloud
     int backs = 0;            ///< Samples put behind sheets that had the outside on both sides [count].
     double lost_sheets = 0;  ///< Share of samples in such sheets of a crust with handles, before they had backs [0..1].
     bool lost_walls = false; ///< Whether bare lids seem to close what walls hold that were taken for noise.
-    bool is_settled = false; ///< Whether no other labels are to be tried.
+    bool is_between_sheets = false; ///< Whether more noise was assumed than was told, see weaving.h.
+    bool is_settled = false;        ///< Whether no other labels are to be tried.
     /// Polygons of the crust, listed once: labels may be judged by their crust before it is made.
     std::optional<CrustPolygons> polygons = {};
     CrustPolygons& list_polygons(int threads);

@@ -15,6 +15,7 @@
 #include <recon/taut_closing.h>
 #include <recon/trim.h>
 #include <recon/viewpoint.h>
+#include <recon/weaving.h>
 
 #include <algorithm>
 #include <cmath>
@@ -57,6 +58,8 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
     if (found.lost_walls)
         result.warnings.push_back(std::string(lost_walls_text) +
                                   " Set noise to what the scanner has, or scan more densely.");
+    if (found.is_between_sheets)
+        result.warnings.push_back(out_of_register_text);
     if (const std::string text = describe_thin_walls(found.opened, found.found_walls, result.violated_votes);
         !text.empty())
         result.warnings.push_back(text);

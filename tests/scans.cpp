@@ -2,6 +2,9 @@
 
 #include "shapes.h"
 
+#include <Eigen/Geometry>
+
+#include <algorithm>
 #include <cmath>
 
 namespace shapes
@@ -98,6 +101,43 @@ OrientedSamples laser_scans(int around, double noise, bool in_room, std::uint64_
         scans.normals.insert(scans.normals.end(), scan.normals.begin(), scan.normals.end());
     }
     return scans;
+}
+
+OrientedSamples views_out_of_register(const OrientedSamples& surface, int views, double kept, double off_by,
+                                      std::uint64_t seed)
+{
+    constexpr double golden_angle = 2.399963229728653, least_slope = 0.25;
+    double farthest = 0;
+    for (const Point& p : surface.points)
+        farthest = std::max(farthest, p.norm());
+    Random random(seed);
+    OrientedSamples seen;
+    for (int view = 0; view < views; ++view)
+    {
+        const double z = 1 - (2 * view + 1.0) / views, angle = view * golden_angle, r = std::sqrt(1 - z * z);
+        const Vector towards(r * std::cos(angle), r * std::sin(angle), z);
+        const recon::Points moves =
+            with_noise(recon::Points(2, Point::Zero()), off_by / std::sqrt(3.0), seed + 1 + std::uint64_t(view));
+        const Vector shift = moves[0], turn = moves[1] / farthest;
+        for (std::size_t i = 0; i < surface.points.size(); ++i)
+        {
+            const Point& p = surface.points[i];
+            const Vector& normal = surface.normals[i];
+            if (normal.dot(towards) < least_slope || uniform(random) > kept)
+                continue;
+            seen.points.push_back(p + shift + turn.cross(p));
+            seen.normals.push_back((normal + turn.cross(normal)).normalized());
+        }
+    }
+    return seen;
+}
+
+OrientedSamples torus_out_of_register(std::uint64_t seed)
+{
+    constexpr double off_by = 0.08;
+    OrientedSamples seen = views_out_of_register(torus(8000, 1, 0.4, seed), 6, 0.6, off_by, seed);
+    seen.points = with_noise(seen.points, 0.1 * off_by, seed);
+    return seen;
 }
 
 } // namespace shapes

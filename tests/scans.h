@@ -24,4 +24,13 @@ recon::OrientedSamples laser_scan(int around, double noise, bool in_room, std::u
 recon::OrientedSamples laser_scans(int around, double noise, bool in_room, std::uint64_t seed,
                                    const recon::Points& places);
 
+/// Views of a surface around the origin from so many sides, the points and normals that face each, every view moved
+/// and turned by chance. \param kept share of the points in a view that sees them. \param off_by standard deviation of
+/// a view's shift; its turn moves the farthest point as far.
+recon::OrientedSamples views_out_of_register(const recon::OrientedSamples& surface, int views, double kept,
+                                             double off_by, std::uint64_t seed);
+
+/// Six such views of a torus of radii 1 and 0.4, 10,700 points with a tenth of the noise.
+recon::OrientedSamples torus_out_of_register(std::uint64_t seed);
+
 } // namespace shapes

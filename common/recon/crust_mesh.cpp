@@ -111,12 +111,25 @@ std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vecto
     return sorted;
 }
 
+struct Extent
+{
+    double volume = 0, area = 0;
+};
+
 /// Adds a triangle's part of the volume that a mesh encloses, and its area.
 void add_extent(const TriangleMesh& mesh, const std::array<int, 3>& t, double& volume, double& area)
 {
     const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
     volume += a.dot(b.cross(c)) / 6;
     area += (b - a).cross(c - a).norm() / 2;
+}
+
+Extent measure_extent(const TriangleMesh& mesh)
+{
+    Extent result;
+    for (const auto& t : mesh.triangles)
+        add_extent(mesh, t, result.volume, result.area);
+    return result;
 }
 
 } // namespace
@@ -354,11 +367,14 @@ Topology measure_closed_topology(const TriangleMesh& mesh)
     return result;
 }
 
+double measure_volume(const TriangleMesh& mesh)
+{
+    return measure_extent(mesh).volume;
+}
+
 double measure_thickness(const TriangleMesh& mesh)
 {
-    double volume = 0, area = 0;
-    for (const auto& t : mesh.triangles)
-        add_extent(mesh, t, volume, area);
+    const auto [volume, area] = measure_extent(mesh);
     return area > 0 ? 2 * volume / area : 0;
 }
 

@@ -81,6 +81,9 @@ Topology measure_topology(const TriangleMesh& mesh);
 /// The same of a mesh known to be closed, as a crust is: no edges need to be matched.
 Topology measure_closed_topology(const TriangleMesh& mesh);
 
+/// Volume that a closed mesh encloses [length^3], negative if it faces inward.
+double measure_volume(const TriangleMesh& mesh);
+
 /// Volume over half the area of a closed mesh that faces outward: the mean thickness of what is thin [length]; 0 of an
 /// empty one.
 double measure_thickness(const TriangleMesh& mesh);

@@ -349,3 +349,12 @@ TEST(OutwardNormals, OfSeveralScansFaceTheScannerOfEach)
         EXPECT_GT(checks::share_facing(found.normals, scans.normals), 0.98) << in_room;
     }
 }
+
+// Between which the surface weaves, with the noise of each: .009 were wrong.
+TEST(OutwardNormals, ViewsOutOfRegisterFaceOutward)
+{
+    const OrientedSamples seen = shapes::torus_out_of_register(6);
+    const OutwardNormals found = find_outward_normals(seen.points);
+    EXPECT_TRUE(found.lies_between_sheets);
+    EXPECT_GT(checks::share_facing(found.normals, seen.normals), 0.998);
+}

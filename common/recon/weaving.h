@@ -1,0 +1,48 @@
+#pragma once
+
+#include <recon/mismatch.h>
+
+#include <cmath>
+
+namespace recon
+{
+
+/// Scans of one surface that are out of register are sheets beside each other. Their noise is told of each alone, see
+/// estimate_noise(), and the surface weaves between them, which votes object to. So many times that noise reaches over
+/// all of them; the second is tried where the first does not do.
+inline constexpr double reach_over_sheets[] = {4, 8};
+
+/// A crust that may weave, or that of an attempt with more noise.
+struct Woven
+{
+    double violated = 0; ///< Share of violated votes [0..1].
+    double volume = 0;   ///< Of the crust [length^3].
+    int handles = 0;     ///< Its genus.
+};
+
+/// Whether it is worth asking: between 0.009 and 0.04 of the votes object where a surface weaves so that its shape is
+/// wrong, up to 0.0078 where thin parts are taken for noise. \param noise standard deviation told at first [spacings of
+/// the samples].
+inline bool may_weave(double violated_votes, double noise)
+{
+    constexpr double woven_above = 0.008;
+    return violated_votes > woven_above && noise >= least_noise_of_walls;
+}
+
+/// Whether an attempt with more noise lies between sheets among which the first wove: half as many votes object, it has
+/// no more handles, no more points lie beyond that noise than chance puts there, and neither walls nor hollows went
+/// under in it. \param beyond_noise see NoiseMisfit, of the attempt's crust by its noise.
+inline bool lies_between_sheets(const Woven& first, const Woven& with_more, double beyond_noise)
+{
+    constexpr double left = 0.5, beyond_by_chance = 0.0027, same_volume = 0.05;
+    return with_more.violated <= left * first.violated && with_more.handles <= first.handles &&
+           beyond_noise <= beyond_by_chance &&
+           std::abs(with_more.volume - first.volume) <= same_volume * std::abs(first.volume);
+}
+
+/// What to tell users then.
+inline constexpr char out_of_register_text[] =
+    "The points lie in sheets beside each other, as those of scans that are out of register do: the surface lies "
+    "between the sheets, and what is finer than their distance is lost. Align the scans to see it.";
+
+} // namespace recon
