@@ -50,6 +50,7 @@ const std::vector<Scanner> scanners = {
     {"20 views, noise 0.05 %, 0.3 % out of register", 20, 0.05, 0.3, 0},
     {"8 views, noise 0.05 %, 0.3 % out of register", 8, 0.05, 0.3, 0},
     {"8 views, noise 0.05 %, 0.6 % out of register", 8, 0.05, 0.6, 0},
+    {"12 views, noise 0.1 %, 1.2 % out of register", 12, 0.1, 1.2, 0},
 };
 
 Points scan(const Model& model, const MeshDistance& surface, const Scanner& scanner, int pixels, unsigned seed)

@@ -125,6 +125,15 @@ bool seems_filled(const Points& points, const MeshAttempt& attempt, int threads)
     return !measure_noise_misfit(claimed, crust, noise, threads).is_noise();
 }
 
+namespace
+{
+
+struct MeshedWalls
+{
+    std::optional<MeshAttempt> found = {};
+    bool has_none = false; ///< Whether there are none to find.
+};
+
 MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstructionOptions& options,
                                   const MeshAttempt& first, PhaseTimes& times, const Progress& progress)
 {
@@ -160,23 +169,33 @@ MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstruction
     return {};
 }
 
-std::optional<MeshAttempt> look_between_sheets(const Points& points, const AmlsReconstructionOptions& options,
-                                               const MeshAttempt& first, PhaseTimes& times, const Progress& progress)
+struct MeshBetweenSheets
+{
+    MeshAttempt attempt;
+    bool has_lids; ///< What lids close may be hollows that were filled.
+};
+
+std::optional<MeshBetweenSheets> look_between_sheets(const Points& points, const AmlsReconstructionOptions& options,
+                                                     const MeshAttempt& first, PhaseTimes& times,
+                                                     const Progress& progress)
 {
     const LabelledSamples& found = first.found;
     const AmlsSurfaceReport& report = first.surface.report();
-    const bool is_settled = found.is_exact || found.is_settled || found.backs > 0 || found.completed > 0;
-    if (is_settled || report.open ||
+    const bool is_settled = found.is_exact || found.is_settled || found.completed > 0;
+    if (is_settled ||
         !may_weave(found.labelled.violated_votes, report.noise / found.frame.scale() / found.labelled.spacing))
         return {};
     const int threads = resolve_threads(options.threads);
     const Points claimed = points_at(found.claimed, points);
-    const auto describe = [](const MeshAttempt& attempt)
+    const auto describe = [&](const MeshAttempt& attempt)
     {
         return Woven{attempt.found.labelled.violated_votes, measure_volume(attempt.mesh),
-                     measure_closed_topology(attempt.mesh).genus()};
+                     measure_closed_topology(attempt.mesh).genus(),
+                     measure_bare_area(attempt.found.samples, crust_of(attempt), threads)};
     };
     const Woven woven = describe(first);
+    if (report.open && woven.bare_area > bare_if_open)
+        return {};
     constexpr int most = int(std::size(reach_over_sheets));
     for (int i = 0; i < most; ++i)
     {
@@ -185,13 +204,37 @@ std::optional<MeshAttempt> look_between_sheets(const Points& points, const AmlsR
             const double noise = reach_over_sheets[i] * report.noise;
             MeshAttempt wide = attempt_mesh(points, options, noise, &first, times,
                                             progress.part(double(i) / most, (i + 1.0) / most, "more noise"));
-            if (lies_between_sheets(woven, describe(wide), measure_beyond_noise(claimed, wide.mesh, noise, threads)))
-                return wide;
+            const Woven with_more = describe(wide);
+            const bool is_closed = !wide.surface.report().open && wide.found.backs == 0;
+            if (is_closed &&
+                lies_between_sheets(woven, with_more, measure_beyond_noise(claimed, wide.mesh, noise, threads)))
+                return MeshBetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};
         }
         catch (const AlgorithmFailure&) // nothing is inside
         {
         }
     }
+    return {};
+}
+
+} // namespace
+
+OtherNoise look_with_other_noise(const Points& points, const AmlsReconstructionOptions& options,
+                                 const MeshAttempt& first, PhaseTimes& times, const Progress& progress)
+{
+    std::optional<MeshBetweenSheets> between =
+        look_between_sheets(points, options, first, times, progress.part(0, 0.4));
+    const bool is_settled = between && !between->has_lids;
+    if (!is_settled && seems_filled(points, first, resolve_threads(options.threads)))
+    {
+        MeshedWalls walls = look_for_meshed_walls(points, options, first, times, progress.part(0.4, 1));
+        if (walls.found)
+            return {std::move(walls.found)};
+        if (!between)
+            return {{}, !walls.has_none};
+    }
+    if (between)
+        return {std::move(between->attempt), false, true};
     return {};
 }
 

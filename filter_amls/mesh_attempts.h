@@ -37,21 +37,19 @@ TriangleMesh crust_of(const MeshAttempt& attempt);
 /// surface as no noise does.
 bool seems_filled(const Points& points, const MeshAttempt& attempt, int threads);
 
-struct MeshedWalls
+/// What attempts with other noise than was told brought.
+struct OtherNoise
 {
-    std::optional<MeshAttempt> found = {};
-    bool has_none = false; ///< Whether there are none to find.
+    std::optional<MeshAttempt> attempt = {};
+    bool may_lack_walls = false;    ///< Whether the first seems_filled(), and no walls were found.
+    bool is_between_sheets = false; ///< Whether it has more noise, and the first wove.
 };
 
-/// Walls of one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there
-/// is one; else that with an eighth and open lids, if the points object to lids and not to these. \param first attempt,
-/// which seems_filled(). \throws Cancelled.
-MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstructionOptions& options,
-                                  const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
-
-/// An attempt with more noise that lies between sheets among which the first weaves, see weaving.h; none if it does not
-/// weave, or no such attempt does better. \param first attempt, whose noise was estimated. 	hrows Cancelled.
-std::optional<MeshAttempt> look_between_sheets(const Points& points, const AmlsReconstructionOptions& options,
-                                               const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
+/// More noise, where the first attempt weaves between sheets, see weaving.h. Less, where it seems_filled(), as walls of
+/// one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there is one;
+/// else that with an eighth and open lids, if the points object to lids and not to these. \param first attempt, whose
+/// noise was estimated. \throws Cancelled.
+OtherNoise look_with_other_noise(const Points& points, const AmlsReconstructionOptions& options,
+                                 const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
 
 } // namespace recon

@@ -58,16 +58,12 @@ double try_other_noise(const Points& points, const AmlsSurface& surface, Labelle
     AmlsReconstructionOptions options;
     options.threads = threads;
     PhaseTimes times;
-    std::optional<MeshAttempt> walls, between;
-    if (seems_filled(points, attempt, threads))
-        walls = look_for_meshed_walls(points, options, attempt, times, progress.part(0, 0.5)).found;
-    if (!walls)
-        between = look_between_sheets(points, options, attempt, times, progress.part(0.5, 0.9));
-    found = std::move(walls ? walls->found : between ? between->found : attempt.found);
-    if (walls || between)
+    OtherNoise other = look_with_other_noise(points, options, attempt, times, progress.part(0, 0.9));
+    found = std::move(other.attempt ? other.attempt->found : attempt.found);
+    if (other.attempt)
         crust = list_crust_normals(found, threads, progress.part(0.9, 1));
     progress.report(1);
-    return between ? between->surface.report().noise : 0;
+    return other.is_between_sheets ? other.attempt->surface.report().noise : 0;
 }
 
 /// None if it is not to be trusted.

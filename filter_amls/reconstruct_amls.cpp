@@ -94,24 +94,18 @@ struct ChosenAttempt
 ChosenAttempt choose_attempt(const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
                              const Progress& progress)
 {
-    ChosenAttempt chosen{attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.75))};
-    chosen.may_lack_walls = seems_filled(points, chosen.attempt, resolve_threads(options.threads));
+    ChosenAttempt chosen{attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7))};
     if (options.noise != 0)
-        return chosen;
-    if (chosen.may_lack_walls)
     {
-        MeshedWalls walls = look_for_meshed_walls(points, options, chosen.attempt, times, progress.part(0.75, 0.95));
-        chosen.has_found_walls = walls.found.has_value();
-        chosen.may_lack_walls = !walls.found && !walls.has_none;
-        if (walls.found)
-        {
-            chosen.attempt = std::move(*walls.found);
-            return chosen;
-        }
+        chosen.may_lack_walls = seems_filled(points, chosen.attempt, resolve_threads(options.threads));
+        return chosen;
     }
-    if (std::optional<MeshAttempt> between =
-            look_between_sheets(points, options, chosen.attempt, times, progress.part(0.95, 1)))
-        return {std::move(*between), false, false, true};
+    OtherNoise other = look_with_other_noise(points, options, chosen.attempt, times, progress.part(0.7, 1));
+    chosen.has_found_walls = other.attempt && !other.is_between_sheets;
+    chosen.may_lack_walls = other.may_lack_walls;
+    chosen.is_between_sheets = other.is_between_sheets;
+    if (other.attempt)
+        chosen.attempt = std::move(*other.attempt);
     return chosen;
 }
 

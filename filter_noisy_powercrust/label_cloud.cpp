@@ -122,28 +122,32 @@ public:
         return true;
     }
 
+    struct BetweenSheets
+    {
+        LabelledCloud attempt;
+        bool has_lids; ///< What lids close may be hollows that were filled.
+    };
+
     /// Scans out of register, with the noise that reaches over all of them, see weaving.h.
-    LabelledCloud look_between_sheets(LabelledCloud found, const Progress& progress)
+    std::optional<BetweenSheets> look_between_sheets(LabelledCloud& found, const Progress& progress)
     {
         const PreparedSamples& cloud = found.cloud;
-        const bool is_settled = found.completed > 0 || found.opened || found.found_walls || is_open(cloud);
-        if (is_settled || attempts_.points.size() > most_points_twice ||
+        if (found.completed > 0 || attempts_.points.size() > most_points_twice ||
             !may_weave(found.labelled.violated_votes, cloud.noise / cloud.frame.scale() / found.labelled.spacing))
-            return found;
-        const Woven first = describe_crust(found, attempts_.extract(found));
+            return {};
+        const Woven first = describe_crust(found);
+        if (is_open(cloud) && first.bare_area > bare_if_open)
+            return {};
         Points claimed = points_at(cloud.claimed, cloud.distinct);
         cloud.frame.from_unit_in_place(claimed);
         const Attempts::Known known = attempts_.known();
         constexpr int most = int(std::size(reach_over_sheets));
         for (int i = 0; i < most; ++i)
-        {
-            std::optional<LabelledCloud> wide = label_wide(reach_over_sheets[i] * cloud.noise, first, claimed,
-                                                           progress.part(double(i) / most, (i + 1.0) / most));
-            if (wide)
-                return std::move(*wide);
-        }
+            if (auto between = label_between_sheets(reach_over_sheets[i] * cloud.noise, first, claimed,
+                                                    progress.part(double(i) / most, (i + 1.0) / most)))
+                return between;
         attempts_.forget(known);
-        return found;
+        return {};
     }
 
     /// A scan whose sheets have the outside on both sides, with backs behind these.
@@ -190,32 +194,34 @@ public:
     }
 
 private:
-    static Woven describe_crust(const LabelledCloud& found, const TriangleMesh& crust)
+    Woven describe_crust(LabelledCloud& found)
     {
+        const TriangleMesh crust = attempts_.extract(found);
         return {found.labelled.violated_votes, measure_volume(crust) * std::pow(found.cloud.frame.scale(), 3),
-                measure_closed_topology(crust).genus()};
+                measure_closed_topology(crust).genus(),
+                measure_bare_area(found.cloud.samples, crust, attempts_.threads())};
     }
 
-    /// With more noise, if its crust lies between the sheets among which the first wove. \param claimed points [input
-    /// units].
-    std::optional<LabelledCloud> label_wide(double noise, const Woven& first, const Points& claimed,
-                                            const Progress& progress)
+    /// \param claimed points [input units].
+    std::optional<BetweenSheets> label_between_sheets(double noise, const Woven& first, const Points& claimed,
+                                                      const Progress& progress)
     {
         try
         {
             LabelledCloud wide = attempts_.prepare_and_label(Denoise::on, noise, progress);
-            const TriangleMesh crust = attempts_.extract(wide);
             const UnitFrame& frame = wide.cloud.frame;
-            const double beyond =
-                measure_beyond_noise(frame.to_unit(claimed), crust, noise / frame.scale(), attempts_.threads());
+            const Woven with_more = describe_crust(wide);
+            const double beyond = measure_beyond_noise(frame.to_unit(claimed), attempts_.extract(wide),
+                                                       noise / frame.scale(), attempts_.threads());
+            if (wide.completed > 0 || is_open(wide.cloud) || !lies_between_sheets(first, with_more, beyond))
+                return {};
             wide.is_between_sheets = true;
-            if (wide.completed == 0 && lies_between_sheets(first, describe_crust(wide, crust), beyond))
-                return wide;
+            return BetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};
         }
         catch (const AlgorithmFailure&) // nothing is inside
         {
+            return {};
         }
-        return {};
     }
 
     static bool may_be_tubes(const LabelledCloud& first)
@@ -346,10 +352,16 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     }
     else if (first.cloud.denoised && options.noise == 0)
     {
-        if (labeller.back_noisy_sheet(first, progress.part(0.7, 0.75, "backs of sheets")))
-            return first;
-        first = look_for_walls(attempts, std::move(first), progress.part(0.75, 0.85, "other attempts"));
-        first = labeller.look_between_sheets(std::move(first), progress.part(0.85, 0.9, "more noise"));
+        auto between = labeller.look_between_sheets(first, progress.part(0.7, 0.75, "more noise"));
+        const bool is_settled = between && !between->has_lids;
+        if (!is_settled)
+        {
+            if (labeller.back_noisy_sheet(first, progress.part(0.75, 0.77, "backs of sheets")))
+                return first;
+            first = look_for_walls(attempts, std::move(first), progress.part(0.77, 0.9, "other attempts"));
+        }
+        if (between && !first.found_walls && !first.opened)
+            first = std::move(between->attempt);
     }
     if (has_bare_flats)
         return first;

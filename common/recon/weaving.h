@@ -15,9 +15,10 @@ inline constexpr double reach_over_sheets[] = {4, 8};
 /// A crust that may weave, or that of an attempt with more noise.
 struct Woven
 {
-    double violated = 0; ///< Share of violated votes [0..1].
-    double volume = 0;   ///< Of the crust [length^3].
-    int handles = 0;     ///< Its genus.
+    double violated = 0;  ///< Share of violated votes [0..1].
+    double volume = 0;    ///< Of the crust [length^3].
+    int handles = 0;      ///< Its genus.
+    double bare_area = 0; ///< See Mismatch.
 };
 
 /// Whether it is worth asking: between 0.009 and 0.04 of the votes object where a surface weaves so that its shape is
@@ -29,15 +30,24 @@ inline bool may_weave(double violated_votes, double noise)
     return violated_votes > woven_above && noise >= least_noise_of_walls;
 }
 
+/// Share of the area from which on lids are bare: 0.026 and more where hollows were filled.
+inline constexpr double bare_if_filled = 0.005;
+/// The same above which an open sheet is one: closed scans out of register that look so have 0.1.
+inline constexpr double bare_if_open = 0.15;
+
 /// Whether an attempt with more noise lies between sheets among which the first wove: half as many votes object, it has
 /// no more handles, no more points lie beyond that noise than chance puts there, and neither walls nor hollows went
-/// under in it. \param beyond_noise see NoiseMisfit, of the attempt's crust by its noise.
+/// under in it. The first may be lace that encloses a half of what it should, or nearly nothing, and of which votes say
+/// less; but then no lids may be bare. \param beyond_noise see NoiseMisfit, of the attempt's crust by its noise.
 inline bool lies_between_sheets(const Woven& first, const Woven& with_more, double beyond_noise)
 {
-    constexpr double left = 0.5, beyond_by_chance = 0.0027, same_volume = 0.05;
-    return with_more.violated <= left * first.violated && with_more.handles <= first.handles &&
-           beyond_noise <= beyond_by_chance &&
-           std::abs(with_more.volume - first.volume) <= same_volume * std::abs(first.volume);
+    constexpr double left = 0.5, left_of_lace = 0.75, beyond_by_chance = 0.0027, same_volume = 0.05;
+    const double growth = with_more.volume - first.volume;
+    const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 && with_more.bare_area <= bare_if_filled;
+    const bool is_of_same_volume = std::abs(growth) <= same_volume * std::abs(first.volume);
+    const double most = was_lace ? left_of_lace : left;
+    return (was_lace || is_of_same_volume) && with_more.violated <= most * first.violated &&
+           with_more.handles <= first.handles && beyond_noise <= beyond_by_chance;
 }
 
 /// What to tell users then.
