@@ -1,6 +1,6 @@
 // Clouds as a range scanner would take them: views from all sides (or few), samples on each view's own grid, so density
 // falls with the slope and folds stay hidden; noise along the rays, views out of register, flying points at
-// silhouettes. crust_scans <pixels> <seed> [-o folder] <model.ply>...
+// silhouettes. crust_scans <pixels> <seed> [-o folder] [-f first scanner] <model.ply>...
 // One Markdown row a cell, for both filters that make surfaces; `pixels` across the model's bounding sphere.
 #include "bare_delaunay.h"
 #include "mesh_distance.h"
@@ -13,6 +13,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -132,12 +133,13 @@ int main(int argc, char** argv)
 {
     if (argc < 4)
     {
-        std::fprintf(stderr, "usage: %s <pixels> <seed> [-o folder] <model.ply>...\n", argv[0]);
+        std::fprintf(stderr, "usage: %s <pixels> <seed> [-o folder] [-f first scanner] <model.ply>...\n", argv[0]);
         return 2;
     }
     const int pixels = std::atoi(argv[1]);
     const unsigned seed = unsigned(std::atoi(argv[2]));
     std::string folder;
+    std::size_t first = 1;
     int right[2] = {}, cells = 0;
     std::printf("| model | scanner | points | power crust | RMS | x DT | AMLS | RMS | x DT "
                 "|\n|---|---|---|---|---|---|---|---|---|\n");
@@ -148,10 +150,15 @@ int main(int argc, char** argv)
             folder = argv[++k];
             continue;
         }
+        if (argv[k] == std::string("-f") && k + 1 < argc)
+        {
+            first = std::size_t(std::max(1, std::atoi(argv[++k])));
+            continue;
+        }
         const Model model = load_model(argv[k]);
         const std::string name = std::filesystem::path(argv[k]).stem().string();
         const MeshDistance truth(model.mesh);
-        for (std::size_t s = 0; s < scanners.size(); ++s)
+        for (std::size_t s = first - 1; s < scanners.size(); ++s)
         {
             const Points points = scan(model, truth, scanners[s], pixels, seed);
             const double unit = time_bare_delaunay(points);

@@ -134,9 +134,8 @@ OrientedSamples views_out_of_register(const OrientedSamples& surface, int views,
 
 OrientedSamples torus_out_of_register(std::uint64_t seed)
 {
-    constexpr double off_by = 0.08;
-    OrientedSamples seen = views_out_of_register(torus(8000, 1, 0.4, seed), 6, 0.6, off_by, seed);
-    seen.points = with_noise(seen.points, 0.1 * off_by, seed);
+    OrientedSamples seen = views_out_of_register(torus(5000, 1, 0.4, seed), 8, 0.6, 0.12, seed);
+    seen.points = with_noise(seen.points, 0.008, seed);
     return seen;
 }
 

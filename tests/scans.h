@@ -30,7 +30,7 @@ recon::OrientedSamples laser_scans(int around, double noise, bool in_room, std::
 recon::OrientedSamples views_out_of_register(const recon::OrientedSamples& surface, int views, double kept,
                                              double off_by, std::uint64_t seed);
 
-/// Six such views of a torus of radii 1 and 0.4, 10,700 points with a tenth of the noise.
+/// Eight such views of a torus of radii 1 and 0.4, some 9,000 points, 0.12 out of register, with noise of 0.008.
 recon::OrientedSamples torus_out_of_register(std::uint64_t seed);
 
 } // namespace shapes

@@ -350,11 +350,14 @@ TEST(OutwardNormals, OfSeveralScansFaceTheScannerOfEach)
     }
 }
 
-// Between which the surface weaves, with the noise of each: .009 were wrong.
+// Between which the surface weaves, with the noise of each: of the first .61 faced outward, of the second .98.
 TEST(OutwardNormals, ViewsOutOfRegisterFaceOutward)
 {
-    const OrientedSamples seen = shapes::torus_out_of_register(6);
-    const OutwardNormals found = find_outward_normals(seen.points);
-    EXPECT_TRUE(found.lies_between_sheets);
-    EXPECT_GT(checks::share_facing(found.normals, seen.normals), 0.998);
+    for (const int seed : {2, 4})
+    {
+        const OrientedSamples seen = shapes::torus_out_of_register(seed);
+        const OutwardNormals found = find_outward_normals(seen.points);
+        EXPECT_TRUE(found.lies_between_sheets) << seed;
+        EXPECT_GT(checks::share_facing(found.normals, seen.normals), 0.998) << seed;
+    }
 }

@@ -368,27 +368,23 @@ TEST(NoisyPowerCrust, OpensLidsOfCupsThatAreFilledAtAnyNoise)
     EXPECT_GE(opened, 5) << "of 12"; // 6; with seeds 11 to 40 36 of 60 are right, 37 with round windows
 }
 
-// Whose noise is told of each view: the surface wove between them, 0.044 off.
+// Whose noise is told of each view: of the first the surface was lace that enclosed 0.6 of the volume, between those of
+// the second it wove, with 5 % of the votes against it.
 TEST(NoisyPowerCrust, ViewsOutOfRegisterAreOneSurface)
 {
-    const auto rms = [](const Points& points)
-    { return shapes::rms(points, [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); }); };
-    const Points points = shapes::torus_out_of_register(6).points;
-    const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
-    EXPECT_EQ(crust.components, 1);
-    EXPECT_EQ(crust.genus, 1);
-    EXPECT_LT(crust.violated_votes, 0.01);
-    EXPECT_LT(rms(crust.mesh.vertices), 0.032);
-    EXPECT_TRUE(says(crust, "out of register"));
-
-    const AmlsReconstruction smooth = reconstruct_amls(points);
-    EXPECT_EQ(smooth.components, 1);
-    EXPECT_EQ(smooth.genus, 1);
-    EXPECT_LT(smooth.violated_votes, 0.01);
-    EXPECT_LT(rms(smooth.mesh.vertices), 0.032);
-    EXPECT_TRUE(checks::says(smooth.warnings, "out of register"));
-
+    constexpr double volume = 2 * pi * pi * 0.4 * 0.4;
+    for (const int seed : {2, 4})
+    {
+        const Points points = shapes::torus_out_of_register(seed).points;
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        EXPECT_EQ(crust.components, 1) << seed;
+        EXPECT_EQ(crust.genus, 1) << seed;
+        EXPECT_LT(crust.violated_votes, 0.001) << seed;
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume, volume, 0.2 * volume) << seed;
+        EXPECT_TRUE(says(crust, "out of register")) << seed;
+    }
     NoisyPowerCrustOptions given;
     given.noise = 0.02;
-    EXPECT_FALSE(says(reconstruct_noisy_power_crust(points, given), "out of register"));
+    EXPECT_FALSE(
+        says(reconstruct_noisy_power_crust(shapes::torus_out_of_register(4).points, given), "out of register"));
 }

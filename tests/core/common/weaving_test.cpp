@@ -1,0 +1,47 @@
+#include <recon/weaving.h>
+
+#include <recon/crust_mesh.h>
+
+#include <gtest/gtest.h>
+
+using namespace recon;
+
+TEST(MayWeave, IsAskedWhereVotesObjectAndNoiseWasTold)
+{
+    EXPECT_TRUE(may_weave(0.009, 0.15));
+    EXPECT_FALSE(may_weave(0.0078, 0.15)); // thin parts
+    EXPECT_FALSE(may_weave(0.009, 0.03));
+}
+
+TEST(LiesBetweenSheets, TheVolumeStaysAndHalfTheVotesAgain)
+{
+    const Woven first{0.04, 1.01, 6, 0.03};
+    EXPECT_TRUE(lies_between_sheets(first, {0.01, 1, 0, 0.03}, 0));
+    EXPECT_FALSE(lies_between_sheets(first, {0.025, 1, 0, 0.03}, 0));
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 7, 0}, 0));
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 0, 0}, 0.003)) << "limbs are lost";
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 0.9, 0, 0}, 0)) << "walls are lost";
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1.1, 0, 0.03}, 0)) << "a hollow is filled";
+}
+
+// As of views a hundredth of the diagonal out of register.
+TEST(LiesBetweenSheets, LaceEnclosesLessThanItShould)
+{
+    const Woven lace{0.04, 0.5, 15, 0.06};
+    EXPECT_TRUE(lies_between_sheets(lace, {0.025, 1, 0, 0}, 0));
+    EXPECT_FALSE(lies_between_sheets(lace, {0.035, 1, 0, 0}, 0));
+    EXPECT_FALSE(lies_between_sheets(lace, {0.001, 1, 0, 0.026}, 0)) << "a cup is filled";
+    EXPECT_FALSE(lies_between_sheets({0.04, 0.5, 0, 0.06}, {0.001, 1, 0, 0}, 0)) << "a hollow is filled";
+    EXPECT_FALSE(lies_between_sheets(lace, {0.001, 0.25, 0, 0}, 0));
+}
+
+TEST(MeasureVolume, OfATetrahedronIsASixthOfItsBox)
+{
+    const TriangleMesh outward{
+        {{1, 0, 0}, {3, 0, 0}, {1, 2, 0}, {1, 0, 2}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}, {}};
+    EXPECT_NEAR(measure_volume(outward), 8.0 / 6, 1e-12);
+    TriangleMesh inward = outward;
+    for (auto& t : inward.triangles)
+        std::swap(t[0], t[1]);
+    EXPECT_NEAR(measure_volume(inward), -8.0 / 6, 1e-12);
+}
