@@ -187,11 +187,12 @@ std::optional<MeshBetweenSheets> look_between_sheets(const Points& points, const
         return {};
     const int threads = resolve_threads(options.threads);
     const Points claimed = points_at(found.claimed, points);
+    Points samples = found.samples; // others have fewer, and lids of theirs are not bare
+    found.frame.from_unit_in_place(samples);
     const auto describe = [&](const MeshAttempt& attempt)
     {
         return Woven{attempt.found.labelled.violated_votes, measure_volume(attempt.mesh),
-                     measure_closed_topology(attempt.mesh).genus(),
-                     measure_bare_area(attempt.found.samples, crust_of(attempt), threads)};
+                     measure_closed_topology(attempt.mesh).genus(), measure_bare_area(samples, attempt.mesh, threads)};
     };
     const Woven woven = describe(first);
     if (report.open && woven.bare_area > bare_if_open)

@@ -135,15 +135,16 @@ public:
         if (found.completed > 0 || attempts_.points.size() > most_points_twice ||
             !may_weave(found.labelled.violated_votes, cloud.noise / cloud.frame.scale() / found.labelled.spacing))
             return {};
-        const Woven first = describe_crust(found);
-        if (is_open(cloud) && first.bare_area > bare_if_open)
+        MaybeWoven first{{}, cloud.samples, points_at(cloud.claimed, cloud.distinct)};
+        for (Points* points : {&first.samples, &first.claimed})
+            cloud.frame.from_unit_in_place(*points);
+        first.crust = describe_crust(found, first.samples);
+        if (is_open(cloud) && first.crust.bare_area > bare_if_open)
             return {};
-        Points claimed = points_at(cloud.claimed, cloud.distinct);
-        cloud.frame.from_unit_in_place(claimed);
         const Attempts::Known known = attempts_.known();
         constexpr int most = int(std::size(reach_over_sheets));
         for (int i = 0; i < most; ++i)
-            if (auto between = label_between_sheets(reach_over_sheets[i] * cloud.noise, first, claimed,
+            if (auto between = label_between_sheets(reach_over_sheets[i] * cloud.noise, first,
                                                     progress.part(double(i) / most, (i + 1.0) / most)))
                 return between;
         attempts_.forget(known);
@@ -194,26 +195,33 @@ public:
     }
 
 private:
-    Woven describe_crust(LabelledCloud& found)
+    /// An attempt whose crust may weave, in input units.
+    struct MaybeWoven
+    {
+        Woven crust;
+        Points samples, claimed;
+    };
+
+    /// \param samples of the attempt with the least noise: the others have fewer, and lids of theirs are not bare.
+    Woven describe_crust(LabelledCloud& found, const Points& samples)
     {
         const TriangleMesh crust = attempts_.extract(found);
-        return {found.labelled.violated_votes, measure_volume(crust) * std::pow(found.cloud.frame.scale(), 3),
+        const UnitFrame& frame = found.cloud.frame;
+        return {found.labelled.violated_votes, measure_volume(crust) * std::pow(frame.scale(), 3),
                 measure_closed_topology(crust).genus(),
-                measure_bare_area(found.cloud.samples, crust, attempts_.threads())};
+                measure_bare_area(frame.to_unit(samples), crust, attempts_.threads())};
     }
 
-    /// \param claimed points [input units].
-    std::optional<BetweenSheets> label_between_sheets(double noise, const Woven& first, const Points& claimed,
-                                                      const Progress& progress)
+    std::optional<BetweenSheets> label_between_sheets(double noise, const MaybeWoven& first, const Progress& progress)
     {
         try
         {
             LabelledCloud wide = attempts_.prepare_and_label(Denoise::on, noise, progress);
             const UnitFrame& frame = wide.cloud.frame;
-            const Woven with_more = describe_crust(wide);
-            const double beyond = measure_beyond_noise(frame.to_unit(claimed), attempts_.extract(wide),
+            const Woven with_more = describe_crust(wide, first.samples);
+            const double beyond = measure_beyond_noise(frame.to_unit(first.claimed), attempts_.extract(wide),
                                                        noise / frame.scale(), attempts_.threads());
-            if (wide.completed > 0 || is_open(wide.cloud) || !lies_between_sheets(first, with_more, beyond))
+            if (wide.completed > 0 || is_open(wide.cloud) || !lies_between_sheets(first.crust, with_more, beyond))
                 return {};
             wide.is_between_sheets = true;
             return BetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};
