@@ -1,6 +1,7 @@
 #include "label_cloud.h"
 
 #include "attempts.h"
+#include "look_between_sheets.h"
 #include "look_for_walls.h"
 
 #include "filter_amls/open_sheets.h"
@@ -12,10 +13,7 @@
 #include <recon/errors.h>
 #include <recon/level_sheet.h>
 #include <recon/mismatch.h>
-#include <recon/weaving.h>
 
-#include <cmath>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -122,35 +120,6 @@ public:
         return true;
     }
 
-    struct BetweenSheets
-    {
-        LabelledCloud attempt;
-        bool has_lids; ///< What lids close may be hollows that were filled.
-    };
-
-    /// Scans out of register, with the noise that reaches over all of them, see weaving.h.
-    std::optional<BetweenSheets> look_between_sheets(LabelledCloud& found, const Progress& progress)
-    {
-        const PreparedSamples& cloud = found.cloud;
-        if (found.completed > 0 || attempts_.points.size() > most_points_twice ||
-            !may_weave(found.labelled.violated_votes, cloud.noise / cloud.frame.scale() / found.labelled.spacing))
-            return {};
-        MaybeWoven first{{}, cloud.samples, points_at(cloud.claimed, cloud.distinct)};
-        for (Points* points : {&first.samples, &first.claimed})
-            cloud.frame.from_unit_in_place(*points);
-        first.crust = describe_crust(found, first.samples);
-        if (is_open(cloud) && first.crust.bare_area > bare_if_open)
-            return {};
-        const Attempts::Known known = attempts_.known();
-        constexpr int most = int(std::size(reach_over_sheets));
-        for (int i = 0; i < most; ++i)
-            if (auto between = label_between_sheets(reach_over_sheets[i] * cloud.noise, first,
-                                                    progress.part(double(i) / most, (i + 1.0) / most)))
-                return between;
-        attempts_.forget(known);
-        return {};
-    }
-
     /// A scan whose sheets have the outside on both sides, with backs behind these.
     LabelledCloud back_lost_sheets(LabelledCloud found, const Progress& progress)
     {
@@ -195,43 +164,6 @@ public:
     }
 
 private:
-    /// An attempt whose crust may weave, in input units.
-    struct MaybeWoven
-    {
-        Woven crust;
-        Points samples, claimed;
-    };
-
-    /// \param samples of the attempt with the least noise: the others have fewer, and lids of theirs are not bare.
-    Woven describe_crust(LabelledCloud& found, const Points& samples)
-    {
-        const TriangleMesh crust = attempts_.extract(found);
-        const UnitFrame& frame = found.cloud.frame;
-        return {found.labelled.violated_votes, measure_volume(crust) * std::pow(frame.scale(), 3),
-                measure_closed_topology(crust).genus(),
-                measure_bare_area(frame.to_unit(samples), crust, attempts_.threads())};
-    }
-
-    std::optional<BetweenSheets> label_between_sheets(double noise, const MaybeWoven& first, const Progress& progress)
-    {
-        try
-        {
-            LabelledCloud wide = attempts_.prepare_and_label(Denoise::on, noise, progress);
-            const UnitFrame& frame = wide.cloud.frame;
-            const Woven with_more = describe_crust(wide, first.samples);
-            const double beyond = measure_beyond_noise(frame.to_unit(first.claimed), attempts_.extract(wide),
-                                                       noise / frame.scale(), attempts_.threads());
-            if (wide.completed > 0 || is_open(wide.cloud) || !lies_between_sheets(first.crust, with_more, beyond))
-                return {};
-            wide.is_between_sheets = true;
-            return BetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};
-        }
-        catch (const AlgorithmFailure&) // nothing is inside
-        {
-            return {};
-        }
-    }
-
     static bool may_be_tubes(const LabelledCloud& first)
     {
         const PreparedSamples& cloud = first.cloud;
@@ -360,7 +292,7 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     }
     else if (first.cloud.denoised && options.noise == 0)
     {
-        auto between = labeller.look_between_sheets(first, progress.part(0.7, 0.75, "more noise"));
+        auto between = look_between_sheets(attempts, first, progress.part(0.7, 0.75, "more noise"));
         const bool is_settled = between && !between->has_lids;
         if (!is_settled)
         {

@@ -1,7 +1,9 @@
-// What stands on a ground, and what a depth camera saw.
+// What stands on a ground, what a depth camera saw, and scans out of register.
 #include "filter_amls/reconstruct_amls.h"
 
+#include "tests/checks.h"
 #include "tests/ground_scenes.h"
+#include "tests/scans.h"
 
 #include <gtest/gtest.h>
 
@@ -37,4 +39,19 @@ TEST(ReconstructAmls, ADepthImageFacesItsCamera)
 TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
     checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);
+}
+
+// See NoisyPowerCrust.ViewsOutOfRegisterAreOneSurface.
+TEST(ReconstructAmls, ViewsOutOfRegisterAreOneSurface)
+{
+    constexpr double volume = 2 * 3.14159 * 3.14159 * 0.4 * 0.4;
+    for (const int seed : {2, 4})
+    {
+        const AmlsReconstruction found = reconstruct_amls(shapes::torus_out_of_register(seed).points);
+        EXPECT_EQ(found.components, 1) << seed;
+        EXPECT_EQ(found.genus, 1) << seed;
+        EXPECT_LT(found.violated_votes, 0.001) << seed;
+        EXPECT_NEAR(checks::examine_mesh(found.mesh).volume, volume, 0.2 * volume) << seed;
+        EXPECT_TRUE(checks::says(found.warnings, "out of register")) << seed;
+    }
 }

@@ -4,7 +4,6 @@
 #include "tests/flat_shapes.h"
 #include "tests/missed_points.h"
 #include "tests/open_sheets.h"
-#include "tests/scans.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
@@ -494,19 +493,4 @@ TEST(ReconstructAmls, TheGroundOfAnExactSceneIsWhole)
     const AmlsReconstruction result = reconstruct_amls(shapes::with_noise(scene.points, 0.02, 5), options);
     EXPECT_GT(checks::share_faced(result.mesh, scene, 2.5), 0.99);
     EXPECT_EQ(result.vertices_on_surface, 0);
-}
-
-// See NoisyPowerCrust.ViewsOutOfRegisterAreOneSurface.
-TEST(ReconstructAmls, ViewsOutOfRegisterAreOneSurface)
-{
-    constexpr double volume = 2 * pi * pi * 0.4 * 0.4;
-    for (const int seed : {2, 4})
-    {
-        const AmlsReconstruction found = reconstruct_amls(shapes::torus_out_of_register(seed).points);
-        EXPECT_EQ(found.components, 1) << seed;
-        EXPECT_EQ(found.genus, 1) << seed;
-        EXPECT_LT(found.violated_votes, 0.001) << seed;
-        EXPECT_NEAR(checks::examine_mesh(found.mesh).volume, volume, 0.2 * volume) << seed;
-        EXPECT_TRUE(checks::says(found.warnings, "out of register")) << seed;
-    }
 }
