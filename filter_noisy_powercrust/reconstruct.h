@@ -35,9 +35,9 @@ struct NoisyPowerCrust
     TriangleMesh mesh;               ///< Crust; polygon diagonals are faux edges.
     std::vector<int> nearest_sample; ///< Per crust vertex: index of the nearest input point.
 
-    int points_used = 0;      ///< Distinct input points [count].
-    double spacing = 0;       ///< Median local spacing of the samples [length].
-    double noise = 0;         ///< Standard deviation of the noise, estimated or given [length].
+    int points_used = 0; ///< Distinct input points [count].
+    double spacing = 0;  ///< Median local spacing of the samples [length].
+    double noise = 0;    ///< Standard deviation of the noise that was given, told or, see weaving.h, assumed [length].
     double smallest_ball = 0; ///< Radius of the smallest polar ball kept [length].
     bool denoised = false;    ///< Whether the samples were projected and thinned first.
     int samples = 0; ///< Samples the crust was made of: points_used, or fewer after thinning, and `completed` [count].

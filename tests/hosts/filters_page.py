@@ -26,7 +26,7 @@ SCRIPTS = {
 KINDS = {"RichAbsPerc": "length", "RichFloat": "number", "RichInt": "count", "RichBool": "flag", "RichEnum": "choice",
          "RichString": "text"}
 
-NOISE = {"noise": "standard deviation of the noise, estimated or given (length)"}
+NOISE = {"noise": "standard deviation of the noise, given or estimated; of surfaces less if that shows thin walls, more if scans are out of register (length)"}
 SPACING = {"spacing": "median distance of neighbouring points (length)"}
 COMPLETED = "of these, put on flat faces that had none but on their rims, and on walls between rims"
 SURFACE = {
