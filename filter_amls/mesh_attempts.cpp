@@ -208,7 +208,7 @@ std::optional<MeshBetweenSheets> look_between_sheets(const Points& points, const
             const Woven with_more = describe(wide);
             const bool is_closed = !wide.surface.report().open && wide.found.backs == 0;
             if (is_closed &&
-                lies_between_sheets(woven, with_more, measure_beyond_noise(claimed, wide.mesh, noise, threads)))
+                lies_between_sheets(woven, with_more, measure_noise_misfit(claimed, wide.mesh, noise, threads)))
                 return MeshBetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};
         }
         catch (const AlgorithmFailure&) // nothing is inside

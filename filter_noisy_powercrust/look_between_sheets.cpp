@@ -39,10 +39,10 @@ std::optional<BetweenSheets> label_between_sheets(Attempts& attempts, double noi
         LabelledCloud wide = attempts.prepare_and_label(Denoise::on, noise, progress);
         const UnitFrame& frame = wide.cloud.frame;
         const Woven with_more = describe_crust(attempts, wide, first.samples);
-        const double beyond = measure_beyond_noise(frame.to_unit(first.claimed), attempts.extract(wide),
-                                                   noise / frame.scale(), attempts.threads());
+        const NoiseMisfit misfit = measure_noise_misfit(frame.to_unit(first.claimed), attempts.extract(wide),
+                                                        noise / frame.scale(), attempts.threads());
         if (wide.completed > 0 || wide.cloud.surface->report().open ||
-            !lies_between_sheets(first.crust, with_more, beyond))
+            !lies_between_sheets(first.crust, with_more, misfit))
             return {};
         wide.is_between_sheets = true;
         return BetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};

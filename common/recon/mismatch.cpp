@@ -145,24 +145,6 @@ NoiseMisfit measure_places(const Points& points, const std::vector<double>& squa
     return result;
 }
 
-/// Distances from a mesh, squared.
-std::vector<double> measure_squared(const Points& points, const TriangleMesh& mesh, int threads,
-                                    const Progress& progress)
-{
-    const TriangleTree tree(mesh.vertices, mesh.triangles);
-    std::vector<double> squared(points.size());
-    parallel_for(points.size(), threads, progress,
-                 [&](std::size_t i) { squared[i] = tree.squared_distance_from(points[i]); });
-    return squared;
-}
-
-double share_beyond(const std::vector<double>& squared, double noise)
-{
-    const double reach = far_by_noise * noise;
-    const auto beyond = std::count_if(squared.begin(), squared.end(), [&](double s) { return s > reach * reach; });
-    return double(beyond) / double(squared.size());
-}
-
 } // namespace
 
 bool NoiseMisfit::is_noise() const
@@ -179,19 +161,16 @@ NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh,
 {
     if (points.empty() || mesh.triangles.empty())
         return {};
+    const TriangleTree tree(mesh.vertices, mesh.triangles);
     const Points asked = choose_asked(points);
-    const std::vector<double> squared = measure_squared(asked, mesh, threads, progress.part(0, 0.6, "distances"));
+    std::vector<double> squared(asked.size());
+    parallel_for(asked.size(), threads, progress.part(0, 0.6, "distances"),
+                 [&](std::size_t i) { squared[i] = tree.squared_distance_from(asked[i]); });
+    const double reach = far_by_noise * noise;
+    const auto beyond = std::count_if(squared.begin(), squared.end(), [&](double s) { return s > reach * reach; });
     NoiseMisfit result = measure_places(asked, squared, threads, progress.part(0.6, 1, "sheets"));
-    result.beyond_noise = share_beyond(squared, noise);
+    result.beyond_noise = double(beyond) / double(asked.size());
     return result;
-}
-
-double measure_beyond_noise(const Points& points, const TriangleMesh& mesh, double noise, int threads,
-                            const Progress& progress)
-{
-    if (points.empty() || mesh.triangles.empty())
-        return 0;
-    return share_beyond(measure_squared(choose_asked(points), mesh, threads, progress), noise);
 }
 
 std::string describe_missed(double missed_points)

@@ -84,10 +84,6 @@ struct NoiseMisfit
 NoiseMisfit measure_noise_misfit(const Points& points, const TriangleMesh& mesh, double noise, int threads = 1,
                                  const Progress& progress = {});
 
-/// NoiseMisfit::beyond_noise alone. \throws Cancelled.
-double measure_beyond_noise(const Points& points, const TriangleMesh& mesh, double noise, int threads = 1,
-                            const Progress& progress = {});
-
 /// Each alone; the area takes a fifth of the time. \param noise standard deviation [length]: points within five of it
 /// are not missed either. \throws Cancelled.
 double measure_missed_points(const Points& points, const TriangleMesh& mesh, int threads = 1,

@@ -38,21 +38,25 @@ inline constexpr double bare_if_open = 0.15;
 /// Whether an attempt with more noise lies between sheets among which the first wove: half as many votes object, it has
 /// no more handles, no more points lie beyond that noise than chance puts there, and neither walls nor hollows went
 /// under in it. The first may be lace that encloses a half of what it should, or nearly nothing, and of which votes say
-/// less; but then no lids may be bare. \param beyond_noise see NoiseMisfit, of the attempt's crust by its noise.
-inline bool lies_between_sheets(const Woven& first, const Woven& with_more, double beyond_noise)
+/// less; but then no lids may be bare, and the sheets no two that lie everywhere as far apart, as of a thin hollow
+/// shell: 0.90 and more as even, sheets of many scans up to 0.80. \param misfit of the points and the attempt's crust
+/// by its noise.
+inline bool lies_between_sheets(const Woven& first, const Woven& with_more, const NoiseMisfit& misfit)
 {
-    constexpr double left = 0.5, left_of_lace = 0.75, beyond_by_chance = 0.0027, same_volume = 0.05;
+    constexpr double left = 0.5, left_of_lace = 0.75, beyond_by_chance = 0.0027, same_volume = 0.05, even = 0.85;
     const double growth = with_more.volume - first.volume;
-    const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 && with_more.bare_area <= bare_if_filled;
+    const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 &&
+                          with_more.bare_area <= bare_if_filled && misfit.evenness < even;
     const bool is_of_same_volume = std::abs(growth) <= same_volume * std::abs(first.volume);
     const double most = was_lace ? left_of_lace : left;
     return (was_lace || is_of_same_volume) && with_more.violated <= most * first.violated &&
-           with_more.handles <= first.handles && beyond_noise <= beyond_by_chance;
+           with_more.handles <= first.handles && misfit.beyond_noise <= beyond_by_chance;
 }
 
 /// What to tell users then.
 inline constexpr char out_of_register_text[] =
     "The points lie in sheets beside each other, as those of scans that are out of register do: the surface lies "
-    "between the sheets, and what is finer than their distance is lost. Align the scans to see it.";
+    "between the sheets, and what is finer than their distance is lost. Align the scans to see it; if the sheets are "
+    "walls, set noise to what the scanner has.";
 
 } // namespace recon

@@ -6,6 +6,22 @@
 
 using namespace recon;
 
+namespace
+{
+
+NoiseMisfit misfit(double beyond_noise, double evenness)
+{
+    NoiseMisfit result;
+    result.beyond_noise = beyond_noise;
+    result.evenness = evenness;
+    return result;
+}
+
+/// Of sheets of many scans; of points beyond the noise; of two sheets everywhere as far apart.
+const NoiseMisfit scattered = misfit(0, 0.75), beyond = misfit(0.003, 0.75), even = misfit(0, 0.95);
+
+} // namespace
+
 TEST(MayWeave, IsAskedWhereVotesObjectAndNoiseWasTold)
 {
     EXPECT_TRUE(may_weave(0.009, 0.15));
@@ -16,23 +32,24 @@ TEST(MayWeave, IsAskedWhereVotesObjectAndNoiseWasTold)
 TEST(LiesBetweenSheets, TheVolumeStaysAndHalfTheVotesAgain)
 {
     const Woven first{0.04, 1.01, 6, 0.03};
-    EXPECT_TRUE(lies_between_sheets(first, {0.01, 1, 0, 0.03}, 0));
-    EXPECT_FALSE(lies_between_sheets(first, {0.025, 1, 0, 0.03}, 0));
-    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 7, 0}, 0));
-    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 0, 0}, 0.003)) << "limbs are lost";
-    EXPECT_FALSE(lies_between_sheets(first, {0.01, 0.9, 0, 0}, 0)) << "walls are lost";
-    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1.1, 0, 0.03}, 0)) << "a hollow is filled";
+    EXPECT_TRUE(lies_between_sheets(first, {0.01, 1, 0, 0.03}, scattered));
+    EXPECT_FALSE(lies_between_sheets(first, {0.025, 1, 0, 0.03}, scattered));
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 7, 0}, scattered));
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 0, 0}, beyond)) << "limbs are lost";
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 0.9, 0, 0}, scattered)) << "walls are lost";
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1.1, 0, 0.03}, scattered)) << "a hollow is filled";
 }
 
 // As of views a hundredth of the diagonal out of register.
 TEST(LiesBetweenSheets, LaceEnclosesLessThanItShould)
 {
     const Woven lace{0.04, 0.5, 15, 0.06};
-    EXPECT_TRUE(lies_between_sheets(lace, {0.025, 1, 0, 0}, 0));
-    EXPECT_FALSE(lies_between_sheets(lace, {0.035, 1, 0, 0}, 0));
-    EXPECT_FALSE(lies_between_sheets(lace, {0.001, 1, 0, 0.026}, 0)) << "a cup is filled";
-    EXPECT_FALSE(lies_between_sheets({0.04, 0.5, 0, 0.06}, {0.001, 1, 0, 0}, 0)) << "a hollow is filled";
-    EXPECT_FALSE(lies_between_sheets(lace, {0.001, 0.25, 0, 0}, 0));
+    EXPECT_TRUE(lies_between_sheets(lace, {0.025, 1, 0, 0}, scattered));
+    EXPECT_FALSE(lies_between_sheets(lace, {0.035, 1, 0, 0}, scattered));
+    EXPECT_FALSE(lies_between_sheets(lace, {0.001, 1, 0, 0.026}, scattered)) << "a cup is filled";
+    EXPECT_FALSE(lies_between_sheets({0.04, 0.5, 0, 0.06}, {0.001, 1, 0, 0}, scattered)) << "a hollow is filled";
+    EXPECT_FALSE(lies_between_sheets(lace, {0.001, 1, 0, 0}, even)) << "a shell is filled";
+    EXPECT_FALSE(lies_between_sheets(lace, {0.001, 0.25, 0, 0}, scattered));
 }
 
 TEST(MeasureVolume, OfATetrahedronIsASixthOfItsBox)
