@@ -172,7 +172,7 @@ MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstruction
 struct MeshBetweenSheets
 {
     MeshAttempt attempt;
-    bool has_lids; ///< What lids close may be hollows that were filled.
+    bool has_lids; ///< What lids close may be hollows that were filled: of the first, too, unless that looked open.
 };
 
 std::optional<MeshBetweenSheets> look_between_sheets(const Points& points, const AmlsReconstructionOptions& options,
@@ -209,7 +209,7 @@ std::optional<MeshBetweenSheets> look_between_sheets(const Points& points, const
             const bool is_closed = !wide.surface.report().open && wide.found.backs == 0;
             if (is_closed &&
                 lies_between_sheets(woven, with_more, measure_noise_misfit(claimed, wide.mesh, noise, threads)))
-                return MeshBetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};
+                return MeshBetweenSheets{std::move(wide), !report.open && with_more.bare_area > bare_lid};
         }
         catch (const AlgorithmFailure&) // nothing is inside
         {

@@ -18,6 +18,7 @@ namespace
 struct MaybeWoven
 {
     Woven crust;
+    bool looks_open = false;
     Points samples, claimed;
 };
 
@@ -45,7 +46,7 @@ std::optional<BetweenSheets> label_between_sheets(Attempts& attempts, double noi
             !lies_between_sheets(first.crust, with_more, misfit))
             return {};
         wide.is_between_sheets = true;
-        return BetweenSheets{std::move(wide), with_more.bare_area > bare_if_filled};
+        return BetweenSheets{std::move(wide), !first.looks_open && with_more.bare_area > bare_lid};
     }
     catch (const AlgorithmFailure&) // nothing is inside
     {
@@ -61,11 +62,11 @@ std::optional<BetweenSheets> look_between_sheets(Attempts& attempts, LabelledClo
     if (first.completed > 0 || attempts.points.size() > most_points_twice ||
         !may_weave(first.labelled.violated_votes, cloud.noise / cloud.frame.scale() / first.labelled.spacing))
         return {};
-    MaybeWoven woven{{}, cloud.samples, points_at(cloud.claimed, cloud.distinct)};
+    MaybeWoven woven{{}, cloud.surface->report().open, cloud.samples, points_at(cloud.claimed, cloud.distinct)};
     for (Points* points : {&woven.samples, &woven.claimed})
         cloud.frame.from_unit_in_place(*points);
     woven.crust = describe_crust(attempts, first, woven.samples);
-    if (cloud.surface->report().open && woven.crust.bare_area > bare_if_open)
+    if (woven.looks_open && woven.crust.bare_area > bare_if_open)
         return {};
     const Attempts::Known known = attempts.known();
     constexpr int most = int(std::size(reach_over_sheets));

@@ -13,7 +13,7 @@ namespace recon
 struct BetweenSheets
 {
     LabelledCloud attempt;
-    bool has_lids; ///< What lids close may be hollows that were filled.
+    bool has_lids; ///< What lids close may be hollows that were filled: of the first, too, unless that looked open.
 };
 
 /// Scans out of register: the labels of an attempt with more noise, if those of the first make a surface that weaves

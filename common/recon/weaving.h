@@ -30,9 +30,7 @@ inline bool may_weave(double violated_votes, double noise)
     return violated_votes > woven_above && noise >= least_noise_of_walls;
 }
 
-/// Share of the area from which on lids are bare: 0.026 and more where hollows were filled.
-inline constexpr double bare_if_filled = 0.005;
-/// The same above which an open sheet is one: closed scans out of register that look so have 0.1.
+/// Share of bare area above which an open sheet is one: closed scans out of register that look so have 0.1.
 inline constexpr double bare_if_open = 0.15;
 
 /// Whether an attempt with more noise lies between sheets among which the first wove: half as many votes object, it has
@@ -45,8 +43,8 @@ inline bool lies_between_sheets(const Woven& first, const Woven& with_more, cons
 {
     constexpr double left = 0.5, left_of_lace = 0.75, beyond_by_chance = 0.0027, same_volume = 0.05, even = 0.85;
     const double growth = with_more.volume - first.volume;
-    const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 &&
-                          with_more.bare_area <= bare_if_filled && misfit.evenness < even;
+    const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 && with_more.bare_area <= bare_lid &&
+                          misfit.evenness < even;
     const bool is_of_same_volume = std::abs(growth) <= same_volume * std::abs(first.volume);
     const double most = was_lace ? left_of_lace : left;
     return (was_lace || is_of_same_volume) && with_more.violated <= most * first.violated &&
