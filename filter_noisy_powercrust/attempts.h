@@ -63,7 +63,7 @@ public:
             false; ///< Of samples of an earlier denoised attempt: those of the next would be, too.
     };
     const Known& known() const { return known_; }
-    void forget(const Known& before) { known_ = before; }
+    void restore(const Known& before) { known_ = before; }
 
     /// The most noise that was estimated or given so far [length]; attempts that assume less do not have less.
     double noise() const { return known_.noise; }

@@ -292,16 +292,22 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     }
     else if (first.cloud.denoised && options.noise == 0)
     {
+        const Attempts::Known known = attempts.known();
         auto between = look_between_sheets(attempts, first, progress.part(0.7, 0.75, "more noise"));
+        const Attempts::Known known_between = attempts.known();
         const bool is_settled = between && !between->has_lids;
         if (!is_settled)
         {
+            attempts.restore(known);
             if (labeller.back_noisy_sheet(first, progress.part(0.75, 0.77, "backs of sheets")))
                 return first;
             first = look_for_walls(attempts, std::move(first), progress.part(0.77, 0.9, "other attempts"));
         }
         if (between && !first.found_walls && !first.opened)
+        {
+            attempts.restore(known_between);
             first = std::move(between->attempt);
+        }
     }
     if (has_bare_flats)
         return first;

@@ -13,10 +13,11 @@ namespace recon
 {
 
 /// Prepares the samples and labels them, see label_samples(). A result that the points contradict has rivals: of a
-/// denoised cloud whose crust has lost walls that read as noise, the same with half the noise and less, and, if it has
-/// no completed faces, with its lids open; of a clean cloud whose crust misses points (an open scan that outer balls
-/// flood, coarse limbs), the denoised one; of lace, the denoised cloud with backs behind the sheets. \param labelling
-/// with lengths in input units.
+/// denoised cloud whose crust weaves between scans out of register, the same with more noise; of one whose crust has
+/// lost walls that read as noise, the same with half the noise and less, and, if it has no completed faces, with its
+/// lids open; of a clean cloud whose crust misses points (an open scan that outer balls flood, coarse limbs), the
+/// denoised one; of lace, the denoised cloud with backs behind the sheets. \param labelling with lengths in input
+/// units.
 LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
                           const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress = {});
 

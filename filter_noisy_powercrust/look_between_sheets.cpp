@@ -68,13 +68,11 @@ std::optional<BetweenSheets> look_between_sheets(Attempts& attempts, LabelledClo
     woven.crust = describe_crust(attempts, first, woven.samples);
     if (woven.looks_open && woven.crust.bare_area > bare_if_open)
         return {};
-    const Attempts::Known known = attempts.known();
     constexpr int most = int(std::size(reach_over_sheets));
     for (int i = 0; i < most; ++i)
         if (auto between = label_between_sheets(attempts, reach_over_sheets[i] * cloud.noise, woven,
                                                 progress.part(double(i) / most, (i + 1.0) / most)))
             return between;
-    attempts.forget(known);
     return {};
 }
 
