@@ -3,7 +3,6 @@
 #include "smooth_mesh.h"
 #include "surface_data.h"
 
-#include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
@@ -187,13 +186,10 @@ std::optional<MeshBetweenSheets> look_between_sheets(const Points& points, const
         return {};
     const int threads = resolve_threads(options.threads);
     const Points claimed = points_at(found.claimed, points);
-    Points samples = found.samples; // others have fewer, and lids of theirs are not bare
+    Points samples = found.samples;
     found.frame.from_unit_in_place(samples);
     const auto describe = [&](const MeshAttempt& attempt)
-    {
-        return Woven{attempt.found.labelled.violated_votes, measure_volume(attempt.mesh),
-                     measure_closed_topology(attempt.mesh).genus(), measure_bare_area(samples, attempt.mesh, threads)};
-    };
+    { return describe_woven(attempt.found.labelled.violated_votes, attempt.mesh, samples, threads); };
     const Woven woven = describe(first);
     if (report.open && woven.bare_area > bare_if_open)
         return {};
@@ -205,10 +201,10 @@ std::optional<MeshBetweenSheets> look_between_sheets(const Points& points, const
             const double noise = reach_over_sheets[i] * report.noise;
             MeshAttempt wide = attempt_mesh(points, options, noise, &first, times,
                                             progress.part(double(i) / most, (i + 1.0) / most, "more noise"));
+            if (wide.surface.report().open || wide.found.backs > 0)
+                continue;
             const Woven with_more = describe(wide);
-            const bool is_closed = !wide.surface.report().open && wide.found.backs == 0;
-            if (is_closed &&
-                lies_between_sheets(woven, with_more, measure_noise_misfit(claimed, wide.mesh, noise, threads)))
+            if (lies_between_sheets(woven, with_more, measure_noise_misfit(claimed, wide.mesh, noise, threads)))
                 return MeshBetweenSheets{std::move(wide), !report.open && with_more.bare_area > bare_lid};
         }
         catch (const AlgorithmFailure&) // nothing is inside

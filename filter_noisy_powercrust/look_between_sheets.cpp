@@ -1,6 +1,5 @@
 #include "look_between_sheets.h"
 
-#include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/mismatch.h>
 #include <recon/weaving.h>
@@ -22,14 +21,13 @@ struct MaybeWoven
     Points samples, claimed;
 };
 
-/// \param samples of the attempt with the least noise: the others have fewer, and lids of theirs are not bare.
-Woven describe_crust(Attempts& attempts, LabelledCloud& found, const Points& samples)
+/// \param crust in the unit frame of what was found.
+Woven describe_in_input_units(const LabelledCloud& found, const TriangleMesh& crust, const Points& samples, int threads)
 {
-    const TriangleMesh crust = attempts.extract(found);
     const UnitFrame& frame = found.cloud.frame;
-    return {found.labelled.violated_votes, measure_volume(crust) * std::pow(frame.scale(), 3),
-            measure_closed_topology(crust).genus(),
-            measure_bare_area(frame.to_unit(samples), crust, attempts.threads())};
+    Woven result = describe_woven(found.labelled.violated_votes, crust, frame.to_unit(samples), threads);
+    result.volume *= std::pow(frame.scale(), 3);
+    return result;
 }
 
 std::optional<BetweenSheets> label_between_sheets(Attempts& attempts, double noise, const MaybeWoven& first,
@@ -38,12 +36,14 @@ std::optional<BetweenSheets> label_between_sheets(Attempts& attempts, double noi
     try
     {
         LabelledCloud wide = attempts.prepare_and_label(Denoise::on, noise, progress);
+        if (wide.completed > 0 || wide.cloud.surface->report().open)
+            return {};
         const UnitFrame& frame = wide.cloud.frame;
-        const Woven with_more = describe_crust(attempts, wide, first.samples);
-        const NoiseMisfit misfit = measure_noise_misfit(frame.to_unit(first.claimed), attempts.extract(wide),
-                                                        noise / frame.scale(), attempts.threads());
-        if (wide.completed > 0 || wide.cloud.surface->report().open ||
-            !lies_between_sheets(first.crust, with_more, misfit))
+        const TriangleMesh crust = attempts.extract(wide);
+        const Woven with_more = describe_in_input_units(wide, crust, first.samples, attempts.threads());
+        if (!lies_between_sheets(
+                first.crust, with_more,
+                measure_noise_misfit(frame.to_unit(first.claimed), crust, noise / frame.scale(), attempts.threads())))
             return {};
         wide.is_between_sheets = true;
         return BetweenSheets{std::move(wide), !first.looks_open && with_more.bare_area > bare_lid};
@@ -65,7 +65,7 @@ std::optional<BetweenSheets> look_between_sheets(Attempts& attempts, LabelledClo
     MaybeWoven woven{{}, cloud.surface->report().open, cloud.samples, points_at(cloud.claimed, cloud.distinct)};
     for (Points* points : {&woven.samples, &woven.claimed})
         cloud.frame.from_unit_in_place(*points);
-    woven.crust = describe_crust(attempts, first, woven.samples);
+    woven.crust = describe_in_input_units(first, attempts.extract(first), woven.samples, attempts.threads());
     if (woven.looks_open && woven.crust.bare_area > bare_if_open)
         return {};
     constexpr int most = int(std::size(reach_over_sheets));

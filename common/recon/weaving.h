@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/crust_mesh.h>
 #include <recon/mismatch.h>
 
 #include <cmath>
@@ -20,6 +21,14 @@ struct Woven
     int handles = 0;      ///< Its genus.
     double bare_area = 0; ///< See Mismatch.
 };
+
+/// \param samples of the attempt with the least noise, in the mesh's units: the others have fewer, and lids of theirs
+/// are not bare.
+inline Woven describe_woven(double violated_votes, const TriangleMesh& crust, const Points& samples, int threads)
+{
+    return {violated_votes, measure_volume(crust), measure_closed_topology(crust).genus(),
+            measure_bare_area(samples, crust, threads)};
+}
 
 /// Whether it is worth asking: between 0.009 and 0.04 of the votes object where a surface weaves so that its shape is
 /// wrong, up to 0.0078 where thin parts are taken for noise. \param noise standard deviation told at first [spacings of
