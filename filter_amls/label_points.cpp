@@ -13,6 +13,7 @@
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/label_flats.h>
+#include <recon/label_noisy_flats.h>
 #include <recon/mismatch.h>
 
 #include <algorithm>
@@ -98,6 +99,29 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
     take(found, {std::move(samples), std::move(all_normals), std::move(backed), backs, has_ground ? 0 : lost.share});
 }
 
+/// Completes bare flat faces, unless votes are against it.
+void complete_flats(LabelledSamples& found, const Points& points, const AmlsSurface& surface,
+                    const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    const Points distinct = found.frame.to_unit(points_at(surface.data().spatial.order, points));
+    const double noise = surface.report().noise / found.frame.scale();
+    const DenoisedCloud cloud{distinct, noise, found.samples, found.normals};
+    std::optional<CrustPolygons> polygons;
+    if (!may_lack_flats(cloud, found.labelled, polygons, times, labelling.threads))
+        return;
+    std::optional<LabelledNoisyFlats> flats = label_with_noisy_flats(
+        cloud, found.labelled.violated_votes, noise,
+        [&](const Points& samples, const Vectors& normals)
+        { return label_polar_balls(samples, normals, labelling, times, progress.part(0, 1, "polar balls")); },
+        times, labelling.threads);
+    if (!flats)
+        return;
+    found.samples = std::move(flats->samples);
+    found.normals = std::move(flats->normals);
+    found.labelled = std::move(flats->labelled);
+    found.completed = flats->added;
+}
+
 /// Samples of the surface, labelled with its normals. \param violated_as_exact see back_lost_sheets().
 LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, double violated_as_exact,
                               const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
@@ -112,15 +136,18 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     // Not that of all points: one at the origin of a far coordinate system leaves the others a millionth of it.
     const UnitFrame frame(sampled.outliers > 0 ? sampled.samples.points : points);
     Points samples = frame.to_unit(sampled.samples.points);
-    const Vectors& normals = sampled.samples.normals;
+    Vectors normals = std::move(sampled.samples.normals);
     LabelledBalls labelled =
-        label_polar_balls(samples, normals, labelling, times, progress.part(0.2, 0.6, "polar balls"));
-    LabelledSamples found{frame, std::move(samples),        std::move(labelled), sampled.outliers,
-                          false, std::move(sampled.claimed)};
-    back_lost_sheets(found, normals, surface.report().open, violated_as_exact, labelling, times,
-                     progress.part(0.6, 1, "backs of sheets"));
-    if (found.backs == 0)
-        found.normals = std::move(sampled.samples.normals);
+        label_polar_balls(samples, normals, labelling, times, progress.part(0.2, 0.5, "polar balls"));
+    LabelledSamples found{frame, std::move(samples),         std::move(labelled), sampled.outliers,
+                          false, std::move(sampled.claimed), std::move(normals)};
+    complete_flats(found, points, surface, labelling, times, progress.part(0.5, 0.7, "flat faces"));
+    // Bare flats explain sheets without an inside.
+    if (found.completed == 0)
+        back_lost_sheets(found, found.normals, surface.report().open, violated_as_exact, labelling, times,
+                         progress.part(0.7, 1, "backs of sheets"));
+    if (found.backs > 0)
+        found.normals.clear();
     return found;
 }
 

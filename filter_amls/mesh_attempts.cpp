@@ -6,6 +6,7 @@
 #include <recon/errors.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
+#include <recon/neighbours.h>
 #include <recon/parallel.h>
 #include <recon/weaving.h>
 
@@ -36,7 +37,20 @@ Mismatch measure_mismatch(const Points& points, const MeshAttempt& attempt, int 
                             threads);
 }
 
-/// The crust of the attempt's labels, on its surface.
+/// Per vertex of a mesh in the frame of its samples: whether the nearest of these was put on a flat face.
+std::vector<char> list_completed(const TriangleMesh& mesh, const LabelledSamples& found)
+{
+    if (found.completed == 0)
+        return {};
+    const int first = int(found.samples.size()) - found.completed;
+    const NeighbourSearch search(found.samples);
+    std::vector<char> result;
+    for (const Point& vertex : mesh.vertices)
+        result.push_back(search.nearest(vertex) >= first);
+    return result;
+}
+
+/// The crust of the attempt's labels, on its surface but for flat faces that were completed.
 void make_mesh(MeshAttempt& attempt, const AmlsReconstructionOptions& options, PhaseTimes& times,
                const Progress& progress)
 {
@@ -49,13 +63,14 @@ void make_mesh(MeshAttempt& attempt, const AmlsReconstructionOptions& options, P
     crust.interpolated = &found.samples;
     crust.threads = resolve_threads(options.threads);
     attempt.mesh = make_crust(found.labelled, crust, progress.part(0, 0.5, "crust"), &attempt.dropped);
+    const std::vector<char> are_completed = list_completed(attempt.mesh, found);
     found.frame.from_unit_in_place(attempt.mesh.vertices);
     attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
     if (!found.is_exact)
     {
         times.begin("smooth");
         attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
-                                            progress.part(0.5, 1, "projection of the mesh"));
+                                            progress.part(0.5, 1, "projection of the mesh"), are_completed);
     }
 }
 

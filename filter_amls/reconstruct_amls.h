@@ -30,13 +30,13 @@ struct AmlsReconstruction
     TriangleMesh mesh;
     std::vector<int> nearest_sample; ///< Per vertex: index of the nearest input point.
     AmlsSurfaceReport surface;
-    int samples = 0;   ///< Points that the mesh was made of: projected and thinned, or clean [count].
-    int completed = 0; ///< Of these, put on bare flat faces and walls of clean clouds [count].
-    int outliers = 0;  ///< Points that the surface does not claim [count].
-    int vertices_on_surface =
-        0;                  ///< Vertices projected onto I = 0; the others close holes, or are clean points [count].
-    bool is_convex = false; ///< Whether all points lie on their convex hull, and that is the surface.
-    int components = 0;     ///< [count]
+    int samples = 0;             ///< Points that the mesh was made of: projected and thinned, or clean [count].
+    int completed = 0;           ///< Of these, put on bare flat faces and walls [count].
+    int outliers = 0;            ///< Points that the surface does not claim [count].
+    int vertices_on_surface = 0; ///< Vertices projected onto I = 0; the others close holes, or are clean points or on
+                                 ///< bare flat faces [count].
+    bool is_convex = false;      ///< Whether all points lie on their convex hull, and that is the surface.
+    int components = 0;          ///< [count]
     int euler_characteristic = 0;
     int boundary_loops = 0;            ///< 0 unless opened [count].
     int genus = 0;                     ///< Summed over the components.

@@ -9,7 +9,8 @@
 namespace recon
 {
 
-std::vector<char> smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, const Progress& progress)
+std::vector<char> smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, int threads, const Progress& progress,
+                              const std::vector<char>& stays)
 {
     AmlsProjectionOptions options;
     options.threads = threads;
@@ -23,7 +24,8 @@ std::vector<char> smooth_mesh(TriangleMesh& mesh, const AmlsSurface& surface, in
         // wall.
         const double moved = (projected.points[v] - mesh.vertices[v]).norm();
         const double explained = std::max(projected.spacings[v], 3 * surface.report().noise);
-        if (projected.status[v] != ProjectionStatus::converged || !(moved < explained))
+        const bool is_asked = stays.empty() || !stays[v];
+        if (!is_asked || projected.status[v] != ProjectionStatus::converged || !(moved < explained))
             share[v] = 0;
     }
     const auto position = [&](int v) -> Point

@@ -34,9 +34,4 @@ struct LabelledCloud
 LabelledCloud label_samples(PreparedSamples cloud, const BallLabellingOptions& labelling, PhaseTimes& times,
                             const Progress& progress = {});
 
-/// Share of a crust's area that is bare seen from the samples, and where that is more than a lid, share of the cloud's
-/// points that the crust misses by more than any noise. \param noise standard deviation [units of the frame].
-double measure_lack(const PreparedSamples& cloud, const Points& samples, const TriangleMesh& crust, double noise,
-                    int threads);
-
 } // namespace recon

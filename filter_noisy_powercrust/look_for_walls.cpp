@@ -3,6 +3,7 @@
 #include "filter_amls/open_sheets.h"
 #include "filter_amls/thin_walls.h"
 
+#include <recon/label_noisy_flats.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
 
@@ -189,7 +190,7 @@ private:
             return *judged.lack;
         LabelledCloud& found = judged.attempt;
         const TriangleMesh crust = attempts_.extract(found);
-        judged.lack = measure_lack(found.cloud, found.cloud.samples, crust,
+        judged.lack = measure_lack(found.cloud.distinct, found.cloud.samples, crust,
                                    attempts_.noise() / found.cloud.frame.scale(), attempts_.threads());
         return *judged.lack;
     }

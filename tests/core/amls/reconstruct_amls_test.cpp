@@ -120,7 +120,6 @@ TEST(ReconstructAmls, PassesThroughCleanPoints)
     EXPECT_GT(exact, 0.98 * double(points.size()));
 }
 
-// A deep cup scanned from all around: labels of the points as they are fill it, and the points object.
 TEST(ReconstructAmls, BareFlatFacesOfCleanPartsAreCompleted)
 {
     const Points points = flat_shapes::coupling();
@@ -130,6 +129,38 @@ TEST(ReconstructAmls, BareFlatFacesOfCleanPartsAreCompleted)
     flat_shapes::expect_bored_flange(reconstruct_amls(flat_shapes::flange()).mesh);
 }
 
+TEST(ReconstructAmls, BareFlatFacesOfNoisyPartsAreCompletedAndStayFlat)
+{
+    const double noise = 0.0015;
+    const Points points = shapes::with_noisy_copies(flat_shapes::flange(), noise, 4, 3);
+    const AmlsReconstruction found = reconstruct_amls(points);
+    flat_shapes::expect_bored_flange(found.mesh);
+    EXPECT_GT(found.completed, 0);
+    EXPECT_GT(found.samples, found.completed);
+    int in_faces = 0;
+    for (const Point& p : found.mesh.vertices)
+    {
+        // Bores lie on the axes.
+        const double beside_bores = std::min(std::abs(p.x()), std::abs(p.y()));
+        const double from_rim =
+            std::min(flat_shapes::outer - p.head<2>().norm(), p.head<2>().norm() - flat_shapes::hub);
+        if (from_rim < 0.03 || beside_bores < 2 * flat_shapes::bore)
+            continue;
+        ++in_faces;
+        EXPECT_LT(std::min(std::abs(p.z()), std::abs(p.z() - flat_shapes::thickness)), noise);
+    }
+    EXPECT_GT(in_faces, 100);
+}
+
+TEST(ReconstructAmls, BoresOfANoisyPlateStayThoughFewVotesObject)
+{
+    const Points points = shapes::with_noisy_copies(flat_shapes::bored_plate(80), 0.003, 1, 1);
+    const AmlsReconstruction found = reconstruct_amls(points);
+    EXPECT_EQ(found.genus, flat_shapes::plate_bores);
+    EXPECT_EQ(found.components, 1);
+}
+
+// A deep cup scanned from all around: labels of the points as they are fill it, and the points object.
 TEST(ReconstructAmls, DeepHollowsOfScansAreNotFilled)
 {
     const double side = 0.5, height = 0.9, wall = 0.03;

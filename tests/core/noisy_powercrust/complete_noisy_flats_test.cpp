@@ -1,6 +1,7 @@
-#include "filter_noisy_powercrust/complete_noisy_flats.h"
 #include "filter_noisy_powercrust/prepare_samples.h"
 #include "filter_noisy_powercrust/reconstruct.h"
+
+#include <recon/complete_noisy_flats.h>
 
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"

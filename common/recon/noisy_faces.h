@@ -1,6 +1,6 @@
 #pragma once
 
-#include "noisy_planes.h"
+#include <recon/noisy_planes.h>
 
 #include <recon/flat_faces.h>
 

@@ -1,6 +1,6 @@
-#include "noisy_walls.h"
+#include <recon/noisy_walls.h>
 
-#include "noisy_planes.h"
+#include <recon/noisy_planes.h>
 
 #include <recon/median.h>
 #include <recon/rim_curves.h>

@@ -1,6 +1,6 @@
-#include "way_out.h"
+#include <recon/way_out.h>
 
-#include "noisy_planes.h"
+#include <recon/noisy_planes.h>
 
 #include <Eigen/Geometry>
 

@@ -1,8 +1,8 @@
-#include "complete_noisy_flats.h"
+#include <recon/complete_noisy_flats.h>
 
-#include "noisy_faces.h"
-#include "noisy_walls.h"
-#include "way_out.h"
+#include <recon/noisy_faces.h>
+#include <recon/noisy_walls.h>
+#include <recon/way_out.h>
 
 #include <recon/complete_flats.h>
 #include <recon/keep_apart.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "noisy_faces.h"
+#include <recon/noisy_faces.h>
 
 namespace recon
 {

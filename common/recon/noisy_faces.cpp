@@ -1,4 +1,4 @@
-#include "noisy_faces.h"
+#include <recon/noisy_faces.h>
 
 #include <recon/block_search.h>
 #include <recon/keep_apart.h>

@@ -1,4 +1,4 @@
-#include "noisy_planes.h"
+#include <recon/noisy_planes.h>
 
 #include <recon/block_search.h>
 #include <recon/parallel.h>
