@@ -399,4 +399,14 @@ std::optional<LabelledSamples> label_only_tubes(const Points& points, const Amls
     return label_tubes(as_they_are, least_violated_denoised, labelling, times, progress);
 }
 
+std::optional<LabelledSamples> label_only_flats(const Points& points, const AmlsSurface& surface,
+                                                const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                const Progress& progress)
+{
+    if (!lie_along_lines(surface.data().points, surface.data().point_search))
+        return {};
+    LabelledSamples found = label_points(points, surface, true, labelling, times, progress);
+    return found.completed > 0 ? std::optional(std::move(found)) : std::nullopt;
+}
+
 } // namespace recon

@@ -43,4 +43,9 @@ std::optional<LabelledSamples> label_only_tubes(const Points& points, const Amls
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                 const Progress& progress);
 
+/// As label_points() if flat faces are completed: what looks open for these is closed; none else. \throws as it does.
+std::optional<LabelledSamples> label_only_flats(const Points& points, const AmlsSurface& surface,
+                                                const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                const Progress& progress);
+
 } // namespace recon

@@ -32,7 +32,7 @@ struct TrustedCrust
 };
 
 /// Of a closed cloud; none of an open one, whose crust has lids, for which its sides are chosen, unless it is one of
-/// lost tubes, which look open.
+/// lost tubes or bare flat faces, which look open.
 std::optional<LabelledSamples> label(const Points& points, const AmlsSurface& surface, bool is_noise_given, int threads,
                                      const Progress& progress)
 {
@@ -40,7 +40,10 @@ std::optional<LabelledSamples> label(const Points& points, const AmlsSurface& su
     const BallLabellingOptions options = options_for_labels(threads);
     if (!surface.report().open)
         return label_points(points, surface, !is_noise_given, options, times, progress);
-    return is_noise_given ? std::nullopt : label_only_tubes(points, surface, options, times, progress);
+    if (is_noise_given)
+        return {};
+    std::optional<LabelledSamples> tubes = label_only_tubes(points, surface, options, times, progress.part(0, 0.3));
+    return tubes ? std::move(tubes) : label_only_flats(points, surface, options, times, progress.part(0.3, 1));
 }
 
 CrustNormals list_crust_normals(const LabelledSamples& found, int threads, const Progress& progress)
@@ -122,6 +125,7 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
         result.lies_between_sheets = true;
     }
     result.is_exact = found.is_exact;
+    result.surface.open = false; // as it looked
     const Progress last = progress.part(0.95, 1, "normals");
     result.of_crust = found.is_exact
                           ? take_normals_of_exact_crust(found, crust, points, projected, threads, result.normals, last)

@@ -145,6 +145,8 @@ AmlsReconstruction reconstruct(const Points& points, const AmlsReconstructionOpt
     result.outliers = found.outliers;
     result.samples = int(found.samples.size()) - found.backs;
     result.completed = found.completed;
+    if (found.completed > 0)
+        result.surface.open = false; // as it looked
     result.violated_votes = found.labelled.violated_votes;
     times.begin("closing");
     draw_closings_taut(attempt, threads);

@@ -4,6 +4,8 @@
 #include <recon/label_flats.h>
 #include <recon/mismatch.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -22,6 +24,12 @@ constexpr double calm_votes = 0.001, calm_votes_of_whole = 0.005;
 constexpr double slab_widths[] = {1, 1.1, 1.35};
 /// Share of the lack that other slabs may leave.
 constexpr double clearly_less = 0.5;
+
+/// Points of a neighbourhood that may be a line, and seeds of which one is asked [count].
+constexpr int on_line = 32, line_seeds = 4000;
+/// Spread across a line over that along it, as variances, and share of neighbourhoods of that kind in clouds of rims:
+/// 0.06 and more with five samples a spot and noise of up to 0.4 % of the diagonal; at most 0.005 of open scans.
+constexpr double slender = 0.1, some_lines = 0.02;
 
 /// What a completed crust still lacks.
 struct JudgedFlats
@@ -74,6 +82,30 @@ JudgedFlats judge(LabelledNoisyFlats flats, const DenoisedCloud& cloud, double n
 }
 
 } // namespace
+
+bool lie_along_lines(const Points& points, const BlockSearch& search)
+{
+    const std::size_t step = std::max<std::size_t>(1, points.size() / line_seeds);
+    int indices[on_line], seeds = 0, lines = 0;
+    double squared[on_line];
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    for (std::size_t i = 0; i < points.size(); i += step, ++seeds)
+    {
+        const int count = search.nearest(points[i], on_line, indices, squared);
+        Vector mean = Vector::Zero();
+        for (int k = 0; k < count; ++k)
+            mean += (points[indices[k]] - points[i]) / count;
+        Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+        for (int k = 0; k < count; ++k)
+        {
+            const Vector offset = points[indices[k]] - points[i] - mean;
+            covariance += offset * offset.transpose();
+        }
+        solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+        lines += solver.eigenvalues()[1] < slender * solver.eigenvalues()[2];
+    }
+    return lines > some_lines * seeds;
+}
 
 bool may_lack_flats(const DenoisedCloud& cloud, const LabelledBalls& plain, std::optional<CrustPolygons>& polygons,
                     PhaseTimes& times, int threads)

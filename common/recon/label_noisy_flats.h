@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/block_search.h>
 #include <recon/crust_mesh.h>
 #include <recon/geometry.h>
 #include <recon/labelled_balls.h>
@@ -29,6 +30,10 @@ struct LabelledNoisyFlats
     int added = 0;                              ///< [count]
     std::optional<CrustPolygons> polygons = {}; ///< Of the crust, since it was judged by them.
 };
+
+/// Whether some of the points lie along lines, as the rims of faces that carry none else do, and no scan. \param points
+/// in spatial order; \param search holds them.
+bool lie_along_lines(const Points& points, const BlockSearch& search);
 
 /// Whether flat faces may be bare: votes object, or few do but the crust is bare somewhere. \param plain labels without
 /// such faces. \param polygons gets those of the crust, if it was asked.

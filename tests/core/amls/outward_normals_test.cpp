@@ -3,6 +3,7 @@
 #include "filter_amls/project.h"
 #include "project_all.h"
 #include "tests/checks.h"
+#include "tests/flat_shapes.h"
 #include "tests/scans.h"
 #include "tests/shapes.h"
 
@@ -105,6 +106,27 @@ TEST(OutwardNormals, BodiesSoCoarseThatTheyReadAsOpenFaceOutward)
         EXPECT_FALSE(found.surface.open);
         EXPECT_GT(checks::share_facing(found.normals, lens.normals), 0.95);
     }
+}
+
+// A part whose faces carry samples on their rims only reads as open; normals lay 45 degrees off.
+TEST(OutwardNormals, PartsOfBareFlatFacesThatReadAsOpenFaceOutward)
+{
+    const Points rims = flat_shapes::flange();
+    const Points points = shapes::with_noisy_copies(rims, 0.0015, 4, 2);
+    const OutwardNormals found = find_outward_normals(points);
+    EXPECT_FALSE(found.surface.open);
+    EXPECT_GT(found.of_crust, 0);
+    int right = 0;
+    double flatness = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+        const double up = rims[i < rims.size() ? i : (i - rims.size()) / 4].z() > 0 ? 1 : -1;
+        right += up * found.normals[i].z() > 0;
+        flatness += std::abs(found.normals[i].z()) / double(points.size());
+    }
+    EXPECT_GT(right, 0.99 * double(points.size()));
+    // Half way between face and wall.
+    EXPECT_NEAR(flatness, std::sqrt(0.5), 0.05);
 }
 
 // Walls of 2.2 spacings whose crust is a solid ball that misses all points of the inside; the surface is right.

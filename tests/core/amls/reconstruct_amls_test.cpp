@@ -137,6 +137,7 @@ TEST(ReconstructAmls, BareFlatFacesOfNoisyPartsAreCompletedAndStayFlat)
     flat_shapes::expect_bored_flange(found.mesh);
     EXPECT_GT(found.completed, 0);
     EXPECT_GT(found.samples, found.completed);
+    EXPECT_FALSE(found.surface.open);
     int in_faces = 0;
     for (const Point& p : found.mesh.vertices)
     {

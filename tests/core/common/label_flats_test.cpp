@@ -1,6 +1,10 @@
 #include <recon/label_flats.h>
 
+#include "tests/flat_shapes.h"
 #include "tests/shapes.h"
+
+#include <recon/label_noisy_flats.h>
+#include <recon/spatial_order.h>
 
 #include <gtest/gtest.h>
 
@@ -36,6 +40,19 @@ int added_if(double violated_without, double violated_with, int added)
 }
 
 } // namespace
+
+TEST(LieAlongLines, TellsRimsFromSheets)
+{
+    const auto lie = [](Points points)
+    {
+        points = points_at(order_input(points).order, points);
+        return lie_along_lines(points, BlockSearch(points, 1));
+    };
+    EXPECT_TRUE(lie(shapes::with_noisy_copies(flat_shapes::flange(), 0.004, 4, 1)));
+    EXPECT_FALSE(lie(samples));
+    EXPECT_FALSE(lie(shapes::with_noisy_copies(shapes::sphere(3000, 1, 1).points, 0.01, 4, 1)));
+    EXPECT_FALSE(lie(shapes::box(3000, Vector(0.6, 0.5, 0.4), 3).points));
+}
 
 TEST(LabelWithFlats, SeeksNoneWhereHardlyAnyVoteObjects)
 {
