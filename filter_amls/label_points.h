@@ -24,7 +24,7 @@ struct LabelledSamples
     Vectors normals = {};          ///< Of the surface at the samples, if not exact and without backs.
     int backs = 0;                 ///< The last so many samples lie behind sheets that had the outside on both sides.
     double lost_sheets = 0;        ///< Share of samples in such sheets, if they got a back and are no ground [0..1].
-    int completed = 0;             ///< The last so many samples were put on flat faces [count].
+    int completed = 0;             ///< The last so many samples were put on bare faces [count].
     double least_roughness = 0;    ///< Of exact points without a ground, see Cleanness::least_roughness [spacings].
     bool is_settled = false;       ///< Whether no other labels are to be tried.
 };

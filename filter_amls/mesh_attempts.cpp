@@ -1,8 +1,10 @@
 #include "mesh_attempts.h"
 
+#include "sample_surface.h"
 #include "smooth_mesh.h"
 #include "surface_data.h"
 
+#include <recon/bare_faces.h>
 #include <recon/errors.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
@@ -248,6 +250,50 @@ OtherNoise look_with_other_noise(const Points& points, const AmlsReconstructionO
     if (between)
         return {std::move(between->attempt), false, true};
     return {};
+}
+
+bool complete_bare_faces(MeshAttempt& attempt, const Points& points, const AmlsReconstructionOptions& options,
+                         PhaseTimes& times, const Progress& progress)
+{
+    const AmlsSurface& surface = attempt.surface;
+    LabelledSamples& found = attempt.found;
+    const int threads = resolve_threads(options.threads);
+    const Points distinct = found.frame.to_unit(list_distinct(points, surface));
+    const auto list_samples = [&]
+    {
+        const bool is_open = surface.report().open;
+        if (!found.is_exact)
+        {
+            SurfaceSamples sampled = sample_amls_surface(points, surface, threads, progress.part(0, 0.3, "samples"));
+            return SamplesOfFaces{{found.frame.to_unit(sampled.samples.points), std::move(sampled.samples.normals)},
+                                  is_open};
+        }
+        // What was added came last.
+        Points samples(found.samples.begin(), found.samples.end() - found.completed - found.backs);
+        Points in_place = samples;
+        found.frame.from_unit_in_place(in_place);
+        Vectors normals = list_surface_normals(in_place, surface, threads, progress.part(0, 0.3, "normals"));
+        return SamplesOfFaces{{std::move(samples), std::move(normals)}, is_open};
+    };
+    std::optional<LabelledBareFaces> faces = label_with_bare_faces(
+        {[&] { return crust_of(attempt); }, distinct, found.labelled.violated_votes}, list_samples,
+        [&](const Points& samples, const Vectors& normals)
+        {
+            return label_polar_balls(samples, normals, options_for_labels(threads), times,
+                                     progress.part(0.4, 0.8, "polar balls"));
+        },
+        times, threads, progress.part(0.3, 0.4));
+    if (!faces)
+        return false;
+    found.samples = std::move(faces->samples);
+    found.normals = std::move(faces->normals);
+    found.labelled = std::move(faces->labelled);
+    found.completed = faces->added;
+    found.backs = 0;
+    found.lost_sheets = 0;
+    attempt.is_opened = false;
+    make_mesh(attempt, options, times, progress.part(0.8, 1));
+    return true;
 }
 
 } // namespace recon

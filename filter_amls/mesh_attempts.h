@@ -52,4 +52,9 @@ struct OtherNoise
 OtherNoise look_with_other_noise(const Points& points, const AmlsReconstructionOptions& options,
                                  const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
 
+/// Puts samples on faces that carry none, see bare_faces.h, if points object to the mesh without and not to that.
+/// \returns whether it did.
+bool complete_bare_faces(MeshAttempt& attempt, const Points& points, const AmlsReconstructionOptions& options,
+                         PhaseTimes& times, const Progress& progress);
+
 } // namespace recon

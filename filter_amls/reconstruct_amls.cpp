@@ -3,6 +3,7 @@
 #include "mesh_attempts.h"
 
 #include <recon/back_sheets.h>
+#include <recon/bare_faces.h>
 #include <recon/convex_surface.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
@@ -89,10 +90,11 @@ struct ChosenAttempt
     bool has_found_walls = false;
     bool may_lack_walls = false;
     bool is_between_sheets = false;
+    bool has_filled_faces = false;
 };
 
-ChosenAttempt choose_attempt(const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
-                             const Progress& progress)
+ChosenAttempt choose_noise(const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
+                           const Progress& progress)
 {
     ChosenAttempt chosen{attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7))};
     if (options.noise != 0)
@@ -109,6 +111,19 @@ ChosenAttempt choose_attempt(const Points& points, const AmlsReconstructionOptio
     return chosen;
 }
 
+ChosenAttempt choose_attempt(const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
+                             const Progress& progress)
+{
+    ChosenAttempt chosen = choose_noise(points, options, times, progress.part(0, 0.95));
+    if (complete_bare_faces(chosen.attempt, points, options, times, progress.part(0.95, 1, "bare faces")))
+    {
+        ChosenAttempt filled{std::move(chosen.attempt)};
+        filled.has_filled_faces = true;
+        return filled;
+    }
+    return chosen;
+}
+
 std::vector<std::string> list_warnings(const ChosenAttempt& chosen)
 {
     const LabelledSamples& found = chosen.attempt.found;
@@ -121,6 +136,8 @@ std::vector<std::string> list_warnings(const ChosenAttempt& chosen)
     };
     if (chosen.is_between_sheets)
         add(out_of_register_text);
+    if (chosen.has_filled_faces)
+        add(filled_faces_text);
     add(describe(chosen.attempt.dropped));
     add(describe_violation(violated));
     if (found.lost_sheets > 0)

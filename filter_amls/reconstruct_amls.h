@@ -31,7 +31,7 @@ struct AmlsReconstruction
     std::vector<int> nearest_sample; ///< Per vertex: index of the nearest input point.
     AmlsSurfaceReport surface;
     int samples = 0;             ///< Points that the mesh was made of: projected and thinned, or clean [count].
-    int completed = 0;           ///< Of these, put on bare flat faces and walls [count].
+    int completed = 0;           ///< Of these, put on faces that had none [count].
     int outliers = 0;            ///< Points that the surface does not claim [count].
     int vertices_on_surface = 0; ///< Vertices projected onto I = 0; the others close holes, or are clean points or on
                                  ///< bare flat faces [count].

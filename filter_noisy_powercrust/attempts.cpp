@@ -15,12 +15,17 @@ constexpr double well_sampled = 0.95;
 
 } // namespace
 
-LabelledCloud Attempts::prepare_and_label(Denoise denoise, double noise, const Progress& progress)
+PreparedSamples Attempts::prepare(Denoise denoise, double noise, const Progress& progress)
 {
     SamplePreparationOptions chosen = options;
     chosen.denoise = denoise;
     chosen.noise = noise;
-    PreparedSamples cloud = prepare_samples(points, chosen, latest_, times, progress.part(0, 0.35, "preparation"));
+    return prepare_samples(points, chosen, latest_, times, progress);
+}
+
+LabelledCloud Attempts::prepare_and_label(Denoise denoise, double noise, const Progress& progress)
+{
+    PreparedSamples cloud = prepare(denoise, noise, progress.part(0, 0.35, "preparation"));
     known_.noise = std::max(known_.noise, cloud.noise);
     const BallLimit limit = limit_for(cloud);
     return label(std::move(cloud), limit, progress.part(0.35, 1, "labels"));

@@ -37,6 +37,7 @@ public:
     }
 
     /// \param noise standard deviation [length], 0 = estimate.
+    PreparedSamples prepare(Denoise denoise, double noise, const Progress& progress);
     LabelledCloud prepare_and_label(Denoise denoise, double noise, const Progress& progress);
     /// The points as they are, all balls kept by the spacing alone. \param most_violated see BallLabellingOptions.
     LabelledCloud label_fine(double most_violated, const Progress& progress);

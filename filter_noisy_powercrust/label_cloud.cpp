@@ -9,6 +9,7 @@
 #include "filter_amls/thin_walls.h"
 
 #include <recon/back_sheets.h>
+#include <recon/bare_faces.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/level_sheet.h>
@@ -163,6 +164,40 @@ public:
         return is_whole_otherwise ? back_some_sheets(std::move(found), lost, progress) : std::move(found);
     }
 
+    /// With samples on faces that carry none, which other attempts took for ends of sheets or holes.
+    LabelledCloud complete_bare_faces(LabelledCloud found, const Progress& progress)
+    {
+        if (attempts_.options.denoise == Denoise::off)
+            return found;
+        const PreparedSamples& doubted = found.cloud;
+        std::optional<PreparedSamples> cloud;
+        const auto list_samples = [&]
+        {
+            const Denoise denoise = doubted.denoised ? Denoise::on : attempts_.options.denoise;
+            cloud = attempts_.prepare(denoise, attempts_.options.noise, progress.part(0, 0.4, "preparation"));
+            if (cloud->denoised)
+                return SamplesOfFaces{{cloud->samples, cloud->normals}, cloud->surface->report().open};
+            Vectors normals = attempts_.list_clean_normals(*cloud, progress.part(0.4, 0.5, "normals"));
+            return SamplesOfFaces{{cloud->samples, std::move(normals)},
+                                  attempts_.find_clean_surface(*cloud, {}).report().open};
+        };
+        std::optional<LabelledBareFaces> faces = label_with_bare_faces(
+            {[&] { return attempts_.extract(found); }, doubted.distinct, found.labelled.violated_votes}, list_samples,
+            [&](const Points& samples, const Vectors& normals)
+            {
+                return label_polar_balls(samples, normals, attempts_.usual_options_for(*cloud), attempts_.times,
+                                         progress.part(0.6, 1, "polar balls"));
+            },
+            attempts_.times, attempts_.threads(), progress.part(0.5, 0.6));
+        if (!faces)
+            return found;
+        cloud->samples = std::move(faces->samples);
+        cloud->normals = std::move(faces->normals);
+        LabelledCloud filled{std::move(*cloud), std::move(faces->labelled), faces->added};
+        filled.has_filled_faces = true;
+        return filled;
+    }
+
 private:
     static bool may_be_tubes(const LabelledCloud& first)
     {
@@ -271,16 +306,14 @@ private:
 
 } // namespace
 
-LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
-                          const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+namespace
 {
-    Attempts attempts(points, options, labelling, times);
-    CloudLabeller labeller(attempts);
-    const Progress beginning = progress.part(0, 0.7, "first attempt");
-    // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
-    if (labelling.ball_threshold > 0)
-        return attempts.prepare_and_label(options.denoise, options.noise, beginning);
-    LabelledCloud first = labeller.make_first(beginning);
+
+/// The first attempt or one of those that are made where it is doubted.
+LabelledCloud choose_attempt(Attempts& attempts, CloudLabeller& labeller, const Progress& progress)
+{
+    const SamplePreparationOptions& options = attempts.options;
+    LabelledCloud first = labeller.make_first(progress.part(0, 0.7, "first attempt"));
     // Bare flats explain sheets without an inside, also where less noise took the place of completed ones.
     const bool has_bare_flats = first.cloud.denoised && first.completed > 0;
     if (!first.cloud.denoised && options.denoise == Denoise::automatic)
@@ -312,6 +345,20 @@ LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& 
     if (has_bare_flats)
         return first;
     return labeller.back_lost_sheets(std::move(first), progress.part(0.9, 1, "lost sheets"));
+}
+
+} // namespace
+
+LabelledCloud label_cloud(const Points& points, const SamplePreparationOptions& options,
+                          const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+{
+    Attempts attempts(points, options, labelling, times);
+    // A threshold of the user's that leaves no inner ball is no failure: normals would only dress it up.
+    if (labelling.ball_threshold > 0)
+        return attempts.prepare_and_label(options.denoise, options.noise, progress);
+    CloudLabeller labeller(attempts);
+    return labeller.complete_bare_faces(choose_attempt(attempts, labeller, progress.part(0, 0.95)),
+                                        progress.part(0.95, 1, "bare faces"));
 }
 
 std::string describe_lost_sheets(double share, int backs, Denoise denoise, std::size_t points)

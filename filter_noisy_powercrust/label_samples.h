@@ -23,6 +23,7 @@ struct LabelledCloud
     double lost_sheets = 0;  ///< Share of samples in such sheets of a crust with handles, before they had backs [0..1].
     bool lost_walls = false; ///< Whether bare lids seem to close what walls hold that were taken for noise.
     bool is_between_sheets = false; ///< Whether more noise was assumed than was told, see weaving.h.
+    bool has_filled_faces = false;  ///< Whether samples were put on bare faces, see bare_faces.h.
     bool is_settled = false;        ///< Whether no other labels are to be tried.
     /// Polygons of the crust, listed once: labels may be judged by their crust before it is made.
     std::optional<CrustPolygons> polygons = {};

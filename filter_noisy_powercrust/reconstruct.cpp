@@ -4,6 +4,7 @@
 #include "label_cloud.h"
 #include "sharp_edges.h"
 
+#include <recon/bare_faces.h>
 #include <recon/convex_surface.h>
 #include <recon/crust_mesh.h>
 #include <recon/errors.h>
@@ -60,6 +61,8 @@ void warn(NoisyPowerCrust& result, const DroppedBodies& dropped, const LabelledC
                                   " Set noise to what the scanner has, or scan more densely.");
     if (found.is_between_sheets)
         result.warnings.push_back(out_of_register_text);
+    if (found.has_filled_faces)
+        result.warnings.push_back(filled_faces_text);
     if (const std::string text = describe_thin_walls(found.opened, found.found_walls, result.violated_votes);
         !text.empty())
         result.warnings.push_back(text);

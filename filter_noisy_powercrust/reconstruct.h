@@ -41,7 +41,7 @@ struct NoisyPowerCrust
     double smallest_ball = 0; ///< Radius of the smallest polar ball kept [length].
     bool denoised = false;    ///< Whether the samples were projected and thinned first.
     int samples = 0; ///< Samples the crust was made of: points_used, or fewer after thinning, and `completed` [count].
-    int completed = 0;         ///< Samples put on flat faces that had none but on their rims [count].
+    int completed = 0;         ///< Samples put on faces that had none [count].
     int edge_vertices = 0;     ///< Vertices moved beside sharp edges, see sharp_edges.h [count].
     int outliers = 0;          ///< Points far from any surface, left out when denoising [count].
     int balls_kept = 0;        ///< [count]

@@ -180,4 +180,45 @@ inline bool is_ground(const recon::Point& p)
     return result;
 }
 
+inline const recon::Vector rounded_core(0.35, 0.25, 0.15); ///< Half sides of the box between the rounding's axes.
+inline constexpr double rounding = 0.05;
+
+/// The eight corners of a box with round edges, as a CAD program writes it: neither faces nor the rounded edges between
+/// corners carry samples.
+inline recon::OrientedSamples rounded_corners()
+{
+    constexpr int pieces = 10;
+    recon::OrientedSamples result;
+    for (int octant = 0; octant < 8; ++octant)
+        for (int i = 0; i <= pieces; ++i)
+            for (int k = 0; k <= (i == pieces ? 0 : pieces); ++k)
+            {
+                const double up = pi / 2 * i / pieces, around = pi / 2 * k / pieces;
+                recon::Vector normal(std::cos(up) * std::cos(around), std::cos(up) * std::sin(around), std::sin(up));
+                recon::Vector corner = rounded_core;
+                for (int axis = 0; axis < 3; ++axis)
+                    if (octant >> axis & 1)
+                    {
+                        normal[axis] = -normal[axis];
+                        corner[axis] = -corner[axis];
+                    }
+                result.points.push_back(corner + rounding * normal);
+                result.normals.push_back(normal);
+            }
+    return result;
+}
+
+inline double rounded_volume()
+{
+    const double a = 2 * rounded_core[0], b = 2 * rounded_core[1], c = 2 * rounded_core[2], r = rounding;
+    return a * b * c + 2 * r * (a * b + b * c + c * a) + pi * r * r * (a + b + c) + 4 * pi / 3 * r * r * r;
+}
+
+/// Signed, negative within.
+inline double distance_to_rounded_box(const recon::Point& p)
+{
+    const recon::Vector beyond = p.cwiseAbs() - rounded_core;
+    return beyond.cwiseMax(0).norm() + std::min(beyond.maxCoeff(), 0.0) - rounding;
+}
+
 } // namespace flat_shapes

@@ -28,7 +28,7 @@ KINDS = {"RichAbsPerc": "length", "RichFloat": "number", "RichInt": "count", "Ri
 
 NOISE = {"noise": "standard deviation of the noise, given or estimated; of surfaces less if that shows thin walls, more if scans are out of register (length)"}
 SPACING = {"spacing": "median distance of neighbouring points (length)"}
-COMPLETED = "of these, put on flat faces that had none but on their rims, and on walls between rims"
+COMPLETED = "of these, put on faces that had none: flat ones but for their rims, walls between rims, what lies between rounded edges"
 SURFACE = {
     **NOISE, **SPACING,
     "width": "median width of the weights (length)",

@@ -6,6 +6,7 @@
 #include "tests/open_sheets.h"
 #include "tests/shapes.h"
 
+#include <recon/bare_faces.h>
 #include <recon/errors.h>
 #include <recon/mismatch.h>
 
@@ -151,6 +152,15 @@ TEST(ReconstructAmls, BareFlatFacesOfNoisyPartsAreCompletedAndStayFlat)
         EXPECT_LT(std::min(std::abs(p.z()), std::abs(p.z() - flat_shapes::thickness)), noise);
     }
     EXPECT_GT(in_faces, 100);
+}
+
+TEST(ReconstructAmls, BareFacesBetweenRoundedCornersAreFilled)
+{
+    const Points points = shapes::with_noisy_copies(flat_shapes::rounded_corners().points, 0.0005, 4, 1);
+    const AmlsReconstruction found = reconstruct_amls(points);
+    flat_shapes::expect_solid(found.mesh, 0, flat_shapes::rounded_volume());
+    EXPECT_GT(found.completed, 0);
+    EXPECT_EQ(found.warnings, std::vector<std::string>{filled_faces_text});
 }
 
 TEST(ReconstructAmls, BoresOfANoisyPlateStayThoughFewVotesObject)

@@ -1,6 +1,7 @@
 #include "filter_noisy_powercrust/prepare_samples.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
+#include <recon/bare_faces.h>
 #include <recon/complete_noisy_flats.h>
 
 #include "tests/checks.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 using namespace recon;
@@ -298,6 +300,19 @@ TEST(CompleteNoisyFlats, CrustOfANoisyBracketSampledAlongItsEdges)
     EXPECT_EQ(report.components, 1);
     EXPECT_EQ(report.genus(), 0);
     EXPECT_NEAR(report.volume / 0.16, 1, 0.03);
+}
+
+// Its corners read as eight sheets without an inside, and got a back each: .004 of the volume.
+TEST(CompleteBareFaces, CrustOfABoxOfWhichTheRoundedCornersAreKnown)
+{
+    for (const unsigned seed : {1u, 2u})
+    {
+        const Points points = shapes::with_noisy_copies(rounded_corners().points, 0.0005, 4, seed);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        expect_solid(crust.mesh, 0, rounded_volume());
+        EXPECT_GT(crust.completed, 0);
+        EXPECT_EQ(crust.warnings, std::vector<std::string>{filled_faces_text});
+    }
 }
 
 TEST(CompleteNoisyFlats, LeavesWellSampledCloudsAlone)
