@@ -107,13 +107,11 @@ void complete_flats(LabelledSamples& found, const Points& points, const AmlsSurf
     const double noise = surface.report().noise / found.frame.scale();
     const DenoisedCloud cloud{distinct, noise, found.samples, found.normals};
     std::optional<CrustPolygons> polygons;
-    if (!may_lack_flats(cloud, found.labelled, polygons, times, labelling.threads))
-        return;
     std::optional<LabelledNoisyFlats> flats = label_with_noisy_flats(
-        cloud, found.labelled.violated_votes, noise,
+        cloud, found.labelled, noise,
         [&](const Points& samples, const Vectors& normals)
         { return label_polar_balls(samples, normals, labelling, times, progress.part(0, 1, "polar balls")); },
-        times, labelling.threads);
+        polygons, times, labelling.threads);
     if (!flats)
         return;
     found.samples = std::move(flats->samples);

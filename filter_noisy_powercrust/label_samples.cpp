@@ -39,13 +39,11 @@ void complete_denoised(LabelledCloud& found, const BallLabellingOptions& labelli
 {
     PreparedSamples& cloud = found.cloud;
     const DenoisedCloud denoised{cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals};
-    if (!may_lack_flats(denoised, found.labelled, found.polygons, times, labelling.threads))
-        return;
     std::optional<LabelledNoisyFlats> flats = label_with_noisy_flats(
-        denoised, found.labelled.violated_votes, labelling.noise_taken,
+        denoised, found.labelled, labelling.noise_taken,
         [&](const Points& samples, const Vectors& normals)
         { return label_polar_balls(samples, normals, labelling, times, progress.part(0, 1, "polar balls")); },
-        times, labelling.threads);
+        found.polygons, times, labelling.threads);
     if (!flats)
         return;
     cloud.normals = std::move(flats->normals);

@@ -40,7 +40,10 @@ constexpr std::size_t most_points = 200'000;
 /// and hollows were filled or nothing was gained. And most of the cut's own ties that it may contradict: up to 0.045,
 /// and 0.055 and more.
 constexpr double clearly_fewer = 0.25, bearable = 0.05;
-/// Bare share of the boundary of what looks open at least, unless samples lie along lines, as on fillets: a sheet and
+/// Bare share of the boundary at least: 0.33 and more where parts became whole, 0.13 to 0.24 where hollows and rooms
+/// were closed.
+constexpr double much = 0.3;
+/// The same of what looks open at least, unless samples lie along lines, as on fillets: a sheet and
 /// the lid that closes it share the area.
 constexpr double more_than_lids = 0.6;
 
@@ -288,7 +291,7 @@ label_with_bare_faces(const DoubtedCrust& doubted, const std::function<SamplesOf
     auto [all, are_open] = list_samples();
     times.begin("bare faces");
     const BareFaces faces = fill_bare_faces(all.points, all.normals, threads, progress);
-    if (faces.points.empty() || faces.contradicted > bearable)
+    if (faces.share < much || faces.contradicted > bearable)
         return {};
     const auto may_be_lids = [&]
     { return faces.share < more_than_lids && !lie_along_lines(doubted.points, BlockSearch(doubted.points, threads)); };

@@ -107,27 +107,38 @@ bool lie_along_lines(const Points& points, const BlockSearch& search)
     return lines > some_lines * seeds;
 }
 
-bool may_lack_flats(const DenoisedCloud& cloud, const LabelledBalls& plain, std::optional<CrustPolygons>& polygons,
-                    PhaseTimes& times, int threads)
+std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cloud, const LabelledBalls& plain,
+                                                         double most_noise, const Label& label,
+                                                         std::optional<CrustPolygons>& polygons, PhaseTimes& times,
+                                                         int threads)
 {
-    if (plain.violated_votes <= calm_votes || !(cloud.noise > 0))
-        return false;
-    if (plain.violated_votes > calm_votes_of_whole)
-        return true;
-    times.begin("mismatch");
-    polygons = list_crust_polygons(plain.regular, plain.labels, threads);
-    return measure_bare_area(cloud.points, triangulate_polygons(*polygons, threads), threads) > bare_lid;
-}
-
-std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cloud, double violated, double most_noise,
-                                                         const Label& label, PhaseTimes& times, int threads)
-{
+    const double violated = plain.violated_votes;
+    if (violated <= calm_votes || !(cloud.noise > 0))
+        return {};
+    std::optional<bool> bare;
+    const auto is_bare = [&]
+    {
+        if (!bare)
+        {
+            times.begin("mismatch");
+            polygons = list_crust_polygons(plain.regular, plain.labels, threads);
+            bare = measure_bare_area(cloud.points, triangulate_polygons(*polygons, threads), threads) > bare_lid;
+        }
+        return *bare;
+    };
+    if (violated <= calm_votes_of_whole && !is_bare())
+        return {};
     std::optional<JudgedFlats> best;
     for (const double width : slab_widths)
     {
         std::optional<LabelledNoisyFlats> flats = complete(cloud, width, label, times, threads);
         if (!flats)
-            break;
+        {
+            // Few clouds have any.
+            if (best || !is_bare())
+                break;
+            continue;
+        }
         const double now = flats->labelled.violated_votes;
         // Where faces are bare most samples are on them. A few facets of a coarse model, that the votes do not want,
         // are no better in other slabs.

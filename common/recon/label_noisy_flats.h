@@ -35,18 +35,14 @@ struct LabelledNoisyFlats
 /// in spatial order; \param search holds them.
 bool lie_along_lines(const Points& points, const BlockSearch& search);
 
-/// Whether flat faces may be bare: votes object, or few do but the crust is bare somewhere. \param plain labels without
-/// such faces. \param polygons gets those of the crust, if it was asked.
-bool may_lack_flats(const DenoisedCloud& cloud, const LabelledBalls& plain, std::optional<CrustPolygons>& polygons,
-                    PhaseTimes& times, int threads);
-
 /// Labels of denoised samples with the bare flat faces completed that slabs of several widths show. None if there are
-/// none, or votes are not clearly for them. \param violated share of votes that the labels without these violate.
-/// \param most_noise that was assumed so far, > 0 [units of the frame]. \throws Cancelled.
+/// none, or votes are not clearly for them; not sought where hardly any vote objects to the labels without, or few do
+/// and their crust is bare nowhere. \param plain those labels. \param most_noise that was assumed so far, > 0 [units of
+/// the frame]. \param polygons gets those of the plain crust, if it had to be asked. \throws Cancelled.
 std::optional<LabelledNoisyFlats>
-label_with_noisy_flats(const DenoisedCloud& cloud, double violated, double most_noise,
+label_with_noisy_flats(const DenoisedCloud& cloud, const LabelledBalls& plain, double most_noise,
                        const std::function<LabelledBalls(const Points& samples, const Vectors& normals)>& label,
-                       PhaseTimes& times, int threads);
+                       std::optional<CrustPolygons>& polygons, PhaseTimes& times, int threads);
 
 /// Share of a crust's area that is bare seen from the samples, and where that is more than a lid, share of the points
 /// that the crust misses by more than any noise. \param noise standard deviation [units of the points].
