@@ -252,19 +252,20 @@ OtherNoise look_with_other_noise(const Points& points, const AmlsReconstructionO
     return {};
 }
 
-bool complete_bare_faces(MeshAttempt& attempt, const Points& points, const AmlsReconstructionOptions& options,
-                         PhaseTimes& times, const Progress& progress)
+bool complete_bare_faces(MeshAttempt& attempt, const AmlsSurface& surface, const Points& points,
+                         const AmlsReconstructionOptions& options, PhaseTimes& times, const Progress& progress)
 {
-    const AmlsSurface& surface = attempt.surface;
     LabelledSamples& found = attempt.found;
     const int threads = resolve_threads(options.threads);
     const Points distinct = found.frame.to_unit(list_distinct(points, surface));
+    std::vector<int> claimed;
     const auto list_samples = [&]
     {
         const bool is_open = surface.report().open;
         if (!found.is_exact)
         {
             SurfaceSamples sampled = sample_amls_surface(points, surface, threads, progress.part(0, 0.3, "samples"));
+            claimed = std::move(sampled.claimed);
             return SamplesOfFaces{{found.frame.to_unit(sampled.samples.points), std::move(sampled.samples.normals)},
                                   is_open};
         }
@@ -276,7 +277,7 @@ bool complete_bare_faces(MeshAttempt& attempt, const Points& points, const AmlsR
         return SamplesOfFaces{{std::move(samples), std::move(normals)}, is_open};
     };
     std::optional<LabelledBareFaces> faces = label_with_bare_faces(
-        {[&] { return crust_of(attempt); }, distinct, found.labelled.violated_votes}, list_samples,
+        distinct, found.labelled.violated_votes, list_samples,
         [&](const Points& samples, const Vectors& normals)
         {
             return label_polar_balls(samples, normals, options_for_labels(threads), times,
@@ -285,6 +286,8 @@ bool complete_bare_faces(MeshAttempt& attempt, const Points& points, const AmlsR
         times, threads, progress.part(0.3, 0.4));
     if (!faces)
         return false;
+    attempt.surface = surface;
+    found.claimed = std::move(claimed);
     found.samples = std::move(faces->samples);
     found.normals = std::move(faces->normals);
     found.labelled = std::move(faces->labelled);

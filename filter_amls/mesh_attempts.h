@@ -53,8 +53,9 @@ OtherNoise look_with_other_noise(const Points& points, const AmlsReconstructionO
                                  const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
 
 /// Puts samples on faces that carry none, see bare_faces.h, if points object to the mesh without and not to that.
-/// \returns whether it did.
-bool complete_bare_faces(MeshAttempt& attempt, const Points& points, const AmlsReconstructionOptions& options,
-                         PhaseTimes& times, const Progress& progress);
+/// \param surface of the points with the noise that was told or estimated, whatever the attempt assumes. \returns
+/// whether it did.
+bool complete_bare_faces(MeshAttempt& attempt, const AmlsSurface& surface, const Points& points,
+                         const AmlsReconstructionOptions& options, PhaseTimes& times, const Progress& progress);
 
 } // namespace recon

@@ -93,16 +93,17 @@ struct ChosenAttempt
     bool has_filled_faces = false;
 };
 
-ChosenAttempt choose_noise(const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
-                           const Progress& progress)
+/// The first attempt, or one with other noise.
+ChosenAttempt choose_noise(MeshAttempt first, const Points& points, const AmlsReconstructionOptions& options,
+                           PhaseTimes& times, const Progress& progress)
 {
-    ChosenAttempt chosen{attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.7))};
+    ChosenAttempt chosen{std::move(first)};
     if (options.noise != 0)
     {
         chosen.may_lack_walls = seems_filled(points, chosen.attempt, resolve_threads(options.threads));
         return chosen;
     }
-    OtherNoise other = look_with_other_noise(points, options, chosen.attempt, times, progress.part(0.7, 1));
+    OtherNoise other = look_with_other_noise(points, options, chosen.attempt, times, progress);
     chosen.has_found_walls = other.attempt && !other.is_between_sheets;
     chosen.may_lack_walls = other.may_lack_walls;
     chosen.is_between_sheets = other.is_between_sheets;
@@ -114,8 +115,10 @@ ChosenAttempt choose_noise(const Points& points, const AmlsReconstructionOptions
 ChosenAttempt choose_attempt(const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
                              const Progress& progress)
 {
-    ChosenAttempt chosen = choose_noise(points, options, times, progress.part(0, 0.95));
-    if (complete_bare_faces(chosen.attempt, points, options, times, progress.part(0.95, 1, "bare faces")))
+    MeshAttempt first = attempt_mesh(points, options, options.noise, nullptr, times, progress.part(0, 0.65));
+    const AmlsSurface surface = first.surface;
+    ChosenAttempt chosen = choose_noise(std::move(first), points, options, times, progress.part(0.65, 0.95));
+    if (complete_bare_faces(chosen.attempt, surface, points, options, times, progress.part(0.95, 1, "bare faces")))
     {
         ChosenAttempt filled{std::move(chosen.attempt)};
         filled.has_filled_faces = true;

@@ -182,7 +182,7 @@ public:
                                   attempts_.find_clean_surface(*cloud, {}).report().open};
         };
         std::optional<LabelledBareFaces> faces = label_with_bare_faces(
-            {[&] { return attempts_.extract(found); }, doubted.distinct, found.labelled.violated_votes}, list_samples,
+            doubted.distinct, found.labelled.violated_votes, list_samples,
             [&](const Points& samples, const Vectors& normals)
             {
                 return label_polar_balls(samples, normals, attempts_.usual_options_for(*cloud), attempts_.times,

@@ -1,12 +1,11 @@
 #include <recon/bare_faces.h>
 
 #include <recon/block_search.h>
-#include <recon/crust_mesh.h>
 #include <recon/delaunay.h>
+#include <recon/errors.h>
 #include <recon/keep_apart.h>
 #include <recon/label_noisy_flats.h>
 #include <recon/minimum_cut.h>
-#include <recon/mismatch.h>
 #include <recon/neighbours.h>
 #include <recon/triangulation.h>
 
@@ -32,9 +31,8 @@ constexpr double apart = 0.7;
 /// Cosine to a sample's normal within which a Voronoi vertex may be its pole.
 constexpr double pole_within = 0.7;
 
-/// Share of violated votes, and of the crust that is bare, above which faces may be missing; and most points of a cloud
-/// that is asked [count].
-constexpr double objecting = 0.01, is_bare = 0.03;
+/// Share of violated votes above which faces may be missing, and most points of a cloud that is asked [count].
+constexpr double objecting = 0.004;
 constexpr std::size_t most_points = 200'000;
 /// Share of the violated votes that may be left: 0.002 to 0.23 where parts became whole, 0.34 to 0.9 where bores, walls
 /// and hollows were filled or nothing was gained. And most of the cut's own ties that it may contradict: up to 0.045,
@@ -279,31 +277,35 @@ BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, int thr
 }
 
 std::optional<LabelledBareFaces>
-label_with_bare_faces(const DoubtedCrust& doubted, const std::function<SamplesOfFaces()>& list_samples,
+label_with_bare_faces(const Points& points, double violated, const std::function<SamplesOfFaces()>& list_samples,
                       const std::function<LabelledBalls(const Points&, const Vectors&)>& label, PhaseTimes& times,
                       int threads, const Progress& progress)
 {
-    if (doubted.violated <= objecting || doubted.points.size() > most_points)
+    if (violated <= objecting || points.size() > most_points)
         return {};
-    times.begin("bare faces");
-    if (measure_bare_area(doubted.points, doubted.extract(), threads) <= is_bare)
+    try
+    {
+        auto [all, are_open] = list_samples();
+        times.begin("bare faces");
+        const BareFaces faces = fill_bare_faces(all.points, all.normals, threads, progress);
+        if (faces.share < much || faces.contradicted > bearable)
+            return {};
+        const auto may_be_lids = [&]
+        { return faces.share < more_than_lids && !lie_along_lines(points, BlockSearch(points, threads)); };
+        if (are_open && may_be_lids())
+            return {};
+        all.points.insert(all.points.end(), faces.points.begin(), faces.points.end());
+        all.normals.insert(all.normals.end(), faces.normals.begin(), faces.normals.end());
+        LabelledBalls labelled = label(all.points, all.normals);
+        if (labelled.violated_votes > clearly_fewer * violated)
+            return {};
+        return LabelledBareFaces{std::move(all.points), std::move(all.normals), std::move(labelled),
+                                 int(faces.points.size())};
+    }
+    catch (const AlgorithmFailure&) // nothing is inside
+    {
         return {};
-    auto [all, are_open] = list_samples();
-    times.begin("bare faces");
-    const BareFaces faces = fill_bare_faces(all.points, all.normals, threads, progress);
-    if (faces.share < much || faces.contradicted > bearable)
-        return {};
-    const auto may_be_lids = [&]
-    { return faces.share < more_than_lids && !lie_along_lines(doubted.points, BlockSearch(doubted.points, threads)); };
-    if (are_open && may_be_lids())
-        return {};
-    all.points.insert(all.points.end(), faces.points.begin(), faces.points.end());
-    all.normals.insert(all.normals.end(), faces.normals.begin(), faces.normals.end());
-    LabelledBalls labelled = label(all.points, all.normals);
-    if (labelled.violated_votes > clearly_fewer * doubted.violated)
-        return {};
-    return LabelledBareFaces{std::move(all.points), std::move(all.normals), std::move(labelled),
-                             int(faces.points.size())};
+    }
 }
 
 } // namespace recon

@@ -32,15 +32,7 @@ inline constexpr char filled_faces_text[] =
     "Much of the surface has no points, as between the rounded edges of a coarse model: faces were put between those "
     "that there are. Hollows of which no points tell are filled: look at the result, and scan or sample the faces.";
 
-/// A crust that may lack faces, with what tells it.
-struct DoubtedCrust
-{
-    std::function<TriangleMesh()> extract;
-    const Points& points; ///< It was made of, denoised or not, in its frame.
-    double violated;      ///< Share of votes that its labels violate.
-};
-
-/// What is tried instead.
+/// What may have them.
 struct SamplesOfFaces
 {
     OrientedSamples samples; ///< See fill_bare_faces().
@@ -56,11 +48,13 @@ struct LabelledBareFaces
     int added = 0; ///< [count]
 };
 
-/// Labels of samples with bare faces filled: parts whose vertices lie densely on fillets, and none on the faces
-/// between. None if votes hardly object, nothing is bare, or it does not leave clearly less to object to. \param
-/// list_samples asked only if they may be needed. \throws Cancelled.
+/// Labels of samples with bare faces filled: of parts whose vertices lie densely on fillets, and none on the faces
+/// between. None if votes hardly object, too little is bare, or it does not leave clearly less to object to. \param
+/// points of the cloud, in spatial order, 200,000 at most. \param violated share of votes that its labels violate.
+/// \param list_samples asked only if they may be needed; it may throw AlgorithmFailure, and so may `label`: then there
+/// are none. \throws Cancelled.
 std::optional<LabelledBareFaces>
-label_with_bare_faces(const DoubtedCrust& doubted, const std::function<SamplesOfFaces()>& list_samples,
+label_with_bare_faces(const Points& points, double violated, const std::function<SamplesOfFaces()>& list_samples,
                       const std::function<LabelledBalls(const Points& samples, const Vectors& normals)>& label,
                       PhaseTimes& times, int threads, const Progress& progress = {});
 

@@ -3,7 +3,6 @@
 #include "tests/flat_shapes.h"
 #include "tests/shapes.h"
 
-#include <recon/crust_mesh.h>
 #include <recon/errors.h>
 #include <recon/spatial_order.h>
 
@@ -48,13 +47,8 @@ OrientedSamples cut_ball(double top)
 int added_if(double violated, const OrientedSamples& samples, bool are_open)
 {
     PhaseTimes times;
-    const auto extract = [&]
-    {
-        const LabelledBalls plain = label(samples.points, samples.normals);
-        return triangulate_polygons(list_crust_polygons(plain.regular, plain.labels, 1), 1);
-    };
     const auto found = label_with_bare_faces(
-        {extract, samples.points, violated},
+        samples.points, violated,
         [&] {
             return SamplesOfFaces{samples, are_open};
         },
@@ -114,7 +108,7 @@ TEST(LabelWithBareFaces, AsksOnlyWhereVotesObjectAndLeavesFewer)
 {
     const OrientedSamples corners = in_spatial_order(rounded_corners());
     EXPECT_GT(added_if(0.02, corners, false), 0);
-    EXPECT_EQ(added_if(0.009, corners, false), 0);
+    EXPECT_EQ(added_if(0.003, corners, false), 0);
     // Where nothing is bare.
     EXPECT_EQ(added_if(0.02, in_spatial_order(shapes::torus(3000, 0.35, 0.12, 2)), false), 0);
 }
