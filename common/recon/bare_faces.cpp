@@ -31,8 +31,9 @@ constexpr double apart = 0.7;
 /// Cosine to a sample's normal within which a Voronoi vertex may be its pole.
 constexpr double pole_within = 0.7;
 
-/// Share of violated votes above which faces may be missing, and most points of a cloud that is asked [count].
-constexpr double objecting = 0.004;
+/// Share of violated votes above which faces may be missing (slices reach 0.009), and most points of a cloud that is
+/// asked [count].
+constexpr double objecting = 0.01;
 constexpr std::size_t most_points = 200'000;
 /// Share of the violated votes that may be left: 0.002 to 0.23 where parts became whole, 0.34 to 0.9 where bores, walls
 /// and hollows were filled or nothing was gained. And most of the cut's own ties that it may contradict: up to 0.045,

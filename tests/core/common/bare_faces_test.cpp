@@ -108,7 +108,7 @@ TEST(LabelWithBareFaces, AsksOnlyWhereVotesObjectAndLeavesFewer)
 {
     const OrientedSamples corners = in_spatial_order(rounded_corners());
     EXPECT_GT(added_if(0.02, corners, false), 0);
-    EXPECT_EQ(added_if(0.003, corners, false), 0);
+    EXPECT_EQ(added_if(0.009, corners, false), 0);
     // Where nothing is bare.
     EXPECT_EQ(added_if(0.02, in_spatial_order(shapes::torus(3000, 0.35, 0.12, 2)), false), 0);
 }
