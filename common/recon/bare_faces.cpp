@@ -39,8 +39,8 @@ constexpr std::size_t most_points = 200'000;
 /// and hollows were filled or nothing was gained. And most of the cut's own ties that it may contradict: up to 0.045,
 /// and 0.055 and more.
 constexpr double clearly_fewer = 0.25, bearable = 0.05;
-/// Bare share of the boundary at least: 0.33 and more where parts became whole, 0.13 to 0.24 where hollows and rooms
-/// were closed.
+/// Bare share of the boundary at least: 0.33 and more where parts became whole, 0.13 to 0.24 of cups, rooms and
+/// turbine.
 constexpr double much = 0.3;
 /// The same of what looks open at least, unless samples lie along lines, as on fillets: a sheet and
 /// the lid that closes it share the area.
