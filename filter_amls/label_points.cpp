@@ -397,11 +397,16 @@ std::optional<LabelledSamples> label_only_tubes(const Points& points, const Amls
     return label_tubes(as_they_are, least_violated_denoised, labelling, times, progress);
 }
 
+bool is_open_sheet(const AmlsSurface& surface)
+{
+    return surface.report().open && !lie_along_lines(surface.data().points, surface.data().point_search);
+}
+
 std::optional<LabelledSamples> label_only_flats(const Points& points, const AmlsSurface& surface,
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                 const Progress& progress)
 {
-    if (!lie_along_lines(surface.data().points, surface.data().point_search))
+    if (is_open_sheet(surface))
         return {};
     LabelledSamples found = label_points(points, surface, true, labelling, times, progress);
     return found.completed > 0 ? std::optional(std::move(found)) : std::nullopt;

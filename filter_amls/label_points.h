@@ -43,6 +43,9 @@ std::optional<LabelledSamples> label_only_tubes(const Points& points, const Amls
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                 const Progress& progress);
 
+/// Whether the points look open, and not for faces that carry none but on their rims: then some lie along lines.
+bool is_open_sheet(const AmlsSurface& surface);
+
 /// As label_points() if flat faces are completed: what looks open for these is closed; none else. \throws as it does.
 std::optional<LabelledSamples> label_only_flats(const Points& points, const AmlsSurface& surface,
                                                 const BallLabellingOptions& labelling, PhaseTimes& times,

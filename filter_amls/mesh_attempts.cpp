@@ -8,7 +8,7 @@
 #include <recon/errors.h>
 #include <recon/lids.h>
 #include <recon/mismatch.h>
-#include <recon/neighbours.h>
+#include <recon/nearest_samples.h>
 #include <recon/parallel.h>
 #include <recon/weaving.h>
 
@@ -39,20 +39,21 @@ Mismatch measure_mismatch(const Points& points, const MeshAttempt& attempt, int 
                             threads);
 }
 
-/// Per vertex of a mesh in the frame of its samples: whether the nearest of these was put on a flat face.
-std::vector<char> list_completed(const TriangleMesh& mesh, const LabelledSamples& found)
+/// Per vertex of the mesh: whether the nearest sample was put on a bare face. Empty if none was.
+std::vector<char> list_completed(const MeshAttempt& attempt, int threads)
 {
-    if (found.completed == 0)
-        return {};
-    const int first = int(found.samples.size()) - found.completed;
-    const NeighbourSearch search(found.samples);
+    const LabelledSamples& found = attempt.found;
     std::vector<char> result;
-    for (const Point& vertex : mesh.vertices)
-        result.push_back(search.nearest(vertex) >= first);
+    if (found.completed == 0)
+        return result;
+    const int first = int(found.samples.size()) - found.completed;
+    const Points vertices = found.frame.to_unit(attempt.mesh.vertices);
+    for (const int sample : find_nearest_samples(vertices, found.samples, threads).sample)
+        result.push_back(sample >= first);
     return result;
 }
 
-/// The crust of the attempt's labels, on its surface but for flat faces that were completed.
+/// The crust of the attempt's labels, on its surface but for faces that were completed.
 void make_mesh(MeshAttempt& attempt, const AmlsReconstructionOptions& options, PhaseTimes& times,
                const Progress& progress)
 {
@@ -65,12 +66,12 @@ void make_mesh(MeshAttempt& attempt, const AmlsReconstructionOptions& options, P
     crust.interpolated = &found.samples;
     crust.threads = resolve_threads(options.threads);
     attempt.mesh = make_crust(found.labelled, crust, progress.part(0, 0.5, "crust"), &attempt.dropped);
-    const std::vector<char> are_completed = list_completed(attempt.mesh, found);
     found.frame.from_unit_in_place(attempt.mesh.vertices);
     attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
     if (!found.is_exact)
     {
         times.begin("smooth");
+        const std::vector<char> are_completed = list_completed(attempt, crust.threads);
         attempt.is_on_surface = smooth_mesh(attempt.mesh, attempt.surface, options.threads,
                                             progress.part(0.5, 1, "projection of the mesh"), are_completed);
     }
@@ -257,27 +258,26 @@ bool complete_bare_faces(MeshAttempt& attempt, const AmlsSurface& surface, const
 {
     LabelledSamples& found = attempt.found;
     const int threads = resolve_threads(options.threads);
-    const Points distinct = found.frame.to_unit(list_distinct(points, surface));
     std::vector<int> claimed;
     const auto list_samples = [&]
     {
-        const bool is_open = surface.report().open;
+        const bool is_sheet = is_open_sheet(surface);
         if (!found.is_exact)
         {
             SurfaceSamples sampled = sample_amls_surface(points, surface, threads, progress.part(0, 0.3, "samples"));
             claimed = std::move(sampled.claimed);
             return SamplesOfFaces{{found.frame.to_unit(sampled.samples.points), std::move(sampled.samples.normals)},
-                                  is_open};
+                                  is_sheet};
         }
         // What was added came last.
         Points samples(found.samples.begin(), found.samples.end() - found.completed - found.backs);
         Points in_place = samples;
         found.frame.from_unit_in_place(in_place);
         Vectors normals = list_surface_normals(in_place, surface, threads, progress.part(0, 0.3, "normals"));
-        return SamplesOfFaces{{std::move(samples), std::move(normals)}, is_open};
+        return SamplesOfFaces{{std::move(samples), std::move(normals)}, is_sheet};
     };
     std::optional<LabelledBareFaces> faces = label_with_bare_faces(
-        distinct, found.labelled.violated_votes, list_samples,
+        surface.data().spatial.order.size(), found.labelled.violated_votes, list_samples,
         [&](const Points& samples, const Vectors& normals)
         {
             return label_polar_balls(samples, normals, options_for_labels(threads), times,

@@ -4,6 +4,7 @@
 #include "look_between_sheets.h"
 #include "look_for_walls.h"
 
+#include "filter_amls/label_points.h"
 #include "filter_amls/open_sheets.h"
 #include "filter_amls/thin_tubes.h"
 #include "filter_amls/thin_walls.h"
@@ -176,13 +177,13 @@ public:
             const Denoise denoise = doubted.denoised ? Denoise::on : attempts_.options.denoise;
             cloud = attempts_.prepare(denoise, attempts_.options.noise, progress.part(0, 0.4, "preparation"));
             if (cloud->denoised)
-                return SamplesOfFaces{{cloud->samples, cloud->normals}, cloud->surface->report().open};
+                return SamplesOfFaces{{cloud->samples, cloud->normals}, is_open_sheet(*cloud->surface)};
             Vectors normals = attempts_.list_clean_normals(*cloud, progress.part(0.4, 0.5, "normals"));
             return SamplesOfFaces{{cloud->samples, std::move(normals)},
-                                  attempts_.find_clean_surface(*cloud, {}).report().open};
+                                  is_open_sheet(attempts_.find_clean_surface(*cloud, {}))};
         };
         std::optional<LabelledBareFaces> faces = label_with_bare_faces(
-            doubted.distinct, found.labelled.violated_votes, list_samples,
+            doubted.distinct.size(), found.labelled.violated_votes, list_samples,
             [&](const Points& samples, const Vectors& normals)
             {
                 return label_polar_balls(samples, normals, attempts_.usual_options_for(*cloud), attempts_.times,

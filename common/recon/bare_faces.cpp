@@ -4,9 +4,9 @@
 #include <recon/delaunay.h>
 #include <recon/errors.h>
 #include <recon/keep_apart.h>
-#include <recon/label_noisy_flats.h>
 #include <recon/minimum_cut.h>
 #include <recon/neighbours.h>
+#include <recon/parallel.h>
 #include <recon/triangulation.h>
 
 #include <Eigen/Geometry>
@@ -42,8 +42,7 @@ constexpr double clearly_fewer = 0.25, bearable = 0.05;
 /// Bare share of the boundary at least: 0.33 and more where parts became whole, 0.13 to 0.24 of cups, rooms and
 /// turbine.
 constexpr double much = 0.3;
-/// The same of what looks open at least, unless samples lie along lines, as on fillets: a sheet and
-/// the lid that closes it share the area.
+/// The same of an open sheet: it and the lid that closes it share the area.
 constexpr double more_than_lids = 0.6;
 
 using Facet = std::array<int, 3>;
@@ -247,15 +246,16 @@ BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, int thr
 {
     const TetrahedronCut cut(samples, normals, threads, progress.part(0, 0.6, "Delaunay triangulation"));
     const BlockSearch search(samples, threads);
-    std::vector<double> spacings;
-    for (const Point& sample : samples)
-        spacings.push_back(measure_spacing_at(sample, search));
+    std::vector<double> spacings(samples.size());
+    parallel_for(samples.size(), threads, {},
+                 [&](std::size_t i) { spacings[i] = measure_spacing_at(samples[i], search); });
     FacetFiller filler(samples, spacings, search);
     double area = 0, bare = 0;
     const std::vector<Facet> boundary = cut.list_boundary();
+    const Progress filling = progress.part(0.6, 1, "bare faces");
     for (std::size_t i = 0; i < boundary.size(); ++i)
     {
-        progress.part(0.6, 1, "bare faces").report(double(i) / double(boundary.size()));
+        filling.report(double(i) / double(boundary.size()));
         const auto [u, v, w] = boundary[i];
         const Point &a = samples[std::size_t(u)], &b = samples[std::size_t(v)], &c = samples[std::size_t(w)];
         const Vector normal = (b - a).cross(c - a);
@@ -278,22 +278,18 @@ BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, int thr
 }
 
 std::optional<LabelledBareFaces>
-label_with_bare_faces(const Points& points, double violated, const std::function<SamplesOfFaces()>& list_samples,
+label_with_bare_faces(std::size_t points, double violated, const std::function<SamplesOfFaces()>& list_samples,
                       const std::function<LabelledBalls(const Points&, const Vectors&)>& label, PhaseTimes& times,
                       int threads, const Progress& progress)
 {
-    if (violated <= objecting || points.size() > most_points)
+    if (violated <= objecting || points > most_points)
         return {};
     try
     {
-        auto [all, are_open] = list_samples();
+        auto [all, are_sheet] = list_samples();
         times.begin("bare faces");
         const BareFaces faces = fill_bare_faces(all.points, all.normals, threads, progress);
-        if (faces.share < much || faces.contradicted > bearable)
-            return {};
-        const auto may_be_lids = [&]
-        { return faces.share < more_than_lids && !lie_along_lines(points, BlockSearch(points, threads)); };
-        if (are_open && may_be_lids())
+        if (faces.share < (are_sheet ? more_than_lids : much) || faces.contradicted > bearable)
             return {};
         all.points.insert(all.points.end(), faces.points.begin(), faces.points.end());
         all.normals.insert(all.normals.end(), faces.normals.begin(), faces.normals.end());

@@ -4,6 +4,7 @@
 #include <recon/labelled_balls.h>
 #include <recon/progress.h>
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 
@@ -36,7 +37,7 @@ inline constexpr char filled_faces_text[] =
 struct SamplesOfFaces
 {
     OrientedSamples samples; ///< See fill_bare_faces().
-    bool are_open;           ///< Whether they look like an open sheet.
+    bool are_sheet;          ///< Whether they look like an open sheet, whose lid is bare as well.
 };
 
 /// Samples with those put on bare faces, which come last.
@@ -50,11 +51,11 @@ struct LabelledBareFaces
 
 /// Labels of samples with bare faces filled: of parts whose vertices lie densely on fillets, and none on the faces
 /// between. None if votes hardly object, too little is bare, or it does not leave clearly less to object to. \param
-/// points of the cloud, in spatial order, 200,000 at most. \param violated share of votes that its labels violate.
-/// \param list_samples asked only if they may be needed; it may throw AlgorithmFailure, and so may `label`: then there
-/// are none. \throws Cancelled.
+/// points of the cloud, 200,000 at most [count]. \param violated share of votes that its labels violate. \param
+/// list_samples asked only if they may be needed; it may throw AlgorithmFailure, and so may `label`: then there are
+/// none. \throws Cancelled.
 std::optional<LabelledBareFaces>
-label_with_bare_faces(const Points& points, double violated, const std::function<SamplesOfFaces()>& list_samples,
+label_with_bare_faces(std::size_t points, double violated, const std::function<SamplesOfFaces()>& list_samples,
                       const std::function<LabelledBalls(const Points& samples, const Vectors& normals)>& label,
                       PhaseTimes& times, int threads, const Progress& progress = {});
 

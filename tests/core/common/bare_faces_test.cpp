@@ -44,13 +44,13 @@ OrientedSamples cut_ball(double top)
 }
 
 /// What label_with_bare_faces() adds if the crust without violates so many votes [count].
-int added_if(double violated, const OrientedSamples& samples, bool are_open)
+int added_if(double violated, const OrientedSamples& samples, bool are_sheet)
 {
     PhaseTimes times;
     const auto found = label_with_bare_faces(
-        samples.points, violated,
+        samples.points.size(), violated,
         [&] {
-            return SamplesOfFaces{samples, are_open};
+            return SamplesOfFaces{samples, are_sheet};
         },
         label, times, 1);
     if (!found)
