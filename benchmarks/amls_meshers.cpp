@@ -9,7 +9,7 @@
 #include <filter_amls/sample_surface.h>
 #include <filter_amls/surface_data.h>
 
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include "tests/checks.h"
 

@@ -4,7 +4,7 @@
 #include "tests/shapes.h"
 
 #include <filter_amls/project.h>
-#include <recon/noise.h>
+#include <recon/noise/noise.h>
 
 #include <cmath>
 #include <cstdio>

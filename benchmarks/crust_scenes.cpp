@@ -14,8 +14,8 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
-#include <recon/keep_apart.h>
 #include <recon/median.h>
+#include <recon/search/keep_apart.h>
 
 #include <Eigen/Geometry>
 

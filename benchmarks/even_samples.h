@@ -2,7 +2,7 @@
 
 #include "area_sampler.h"
 
-#include <recon/keep_apart.h>
+#include <recon/search/keep_apart.h>
 
 namespace benchmarks
 {

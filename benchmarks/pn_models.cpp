@@ -2,8 +2,8 @@
 
 #include "tests/shapes.h"
 
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/search/neighbours.h>
 
 #include <algorithm>
 #include <cmath>

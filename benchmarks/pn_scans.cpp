@@ -2,7 +2,7 @@
 // [scan...]
 #include "pn_models.h"
 
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include <cmath>
 #include <cstdio>

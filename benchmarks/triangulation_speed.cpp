@@ -5,7 +5,7 @@
 #include "median_seconds.h"
 #include "models.h"
 
-#include <recon/delaunay.h>
+#include <recon/triangulation/delaunay.h>
 
 #include <cstdio>
 #include <cstdlib>

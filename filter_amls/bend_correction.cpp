@@ -2,9 +2,9 @@
 
 #include "runs.h"
 
-#include <recon/block_search.h>
 #include <recon/median.h>
 #include <recon/parallel.h>
+#include <recon/search/block_search.h>
 #include <recon/simd.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "cells.h"
 #include "fit.h"
 
-#include <recon/block_search.h>
+#include <recon/search/block_search.h>
 
 #include <vector>
 

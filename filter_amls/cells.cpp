@@ -5,8 +5,8 @@
 #include "voxel_table.h"
 #include "weighted_sums.h"
 
-#include <recon/block_search.h>
 #include <recon/parallel.h>
+#include <recon/search/block_search.h>
 
 #include <algorithm>
 #include <cmath>

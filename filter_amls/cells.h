@@ -2,9 +2,9 @@
 
 #include "local_scales.h"
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
+#include <recon/search/block_search.h>
 
 #include <cstdint>
 #include <vector>

@@ -2,8 +2,8 @@
 
 #include "cells.h"
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
+#include <recon/search/block_search.h>
 
 namespace recon
 {

@@ -1,8 +1,8 @@
 #include "crust_normals.h"
 
-#include <recon/block_search.h>
-#include <recon/crust.h>
+#include <recon/crust/crust.h>
 #include <recon/parallel.h>
+#include <recon/search/block_search.h>
 
 #include <Eigen/Geometry>
 

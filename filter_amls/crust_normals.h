@@ -1,7 +1,7 @@
 #pragma once
 
 #include <recon/geometry.h>
-#include <recon/labelled_balls.h>
+#include <recon/labelling/labelled_balls.h>
 #include <recon/progress.h>
 
 #include <array>

@@ -2,8 +2,8 @@
 
 #include "label_points.h"
 
-#include <recon/cleanness.h>
 #include <recon/errors.h>
+#include <recon/noise/cleanness.h>
 
 #include <utility>
 

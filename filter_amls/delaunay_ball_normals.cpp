@@ -1,12 +1,12 @@
 #include "delaunay_ball_normals.h"
 
-#include <recon/delaunay.h>
 #include <recon/disjoint_sets.h>
 #include <recon/errors.h>
-#include <recon/neighbours.h>
-#include <recon/noise.h>
+#include <recon/noise/noise.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
+#include <recon/search/neighbours.h>
+#include <recon/search/spatial_order.h>
+#include <recon/triangulation/delaunay.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "face_cameras.h"
 
-#include <recon/block_search.h>
-#include <recon/minimum_cut.h>
-#include <recon/signed_graph.h>
+#include <recon/labelling/minimum_cut.h>
+#include <recon/labelling/signed_graph.h>
+#include <recon/search/block_search.h>
 
 #include <cmath>
 #include <vector>

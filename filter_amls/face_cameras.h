@@ -1,7 +1,7 @@
 #pragma once
 
 #include <recon/geometry.h>
-#include <recon/viewpoint.h>
+#include <recon/scan/viewpoint.h>
 
 namespace recon
 {

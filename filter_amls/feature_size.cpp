@@ -1,11 +1,11 @@
 #include "feature_size.h"
 
-#include <recon/block_search.h>
-#include <recon/delaunay.h>
 #include <recon/errors.h>
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
+#include <recon/search/block_search.h>
+#include <recon/search/neighbours.h>
+#include <recon/search/spatial_order.h>
+#include <recon/triangulation/delaunay.h>
 
 #include <algorithm>
 #include <cmath>

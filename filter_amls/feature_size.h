@@ -2,7 +2,7 @@
 
 #include <recon/geometry.h>
 #include <recon/progress.h>
-#include <recon/triangulation.h>
+#include <recon/triangulation/triangulation.h>
 
 #include <vector>
 

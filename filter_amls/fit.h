@@ -2,9 +2,9 @@
 
 #include "weighted_sums.h"
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
+#include <recon/search/block_search.h>
 
 #include <array>
 #include <vector>

@@ -2,11 +2,11 @@
 
 #include "surface_cells.h"
 
-#include <recon/block_search.h>
 #include <recon/median.h>
+#include <recon/noise/patch_fit.h>
 #include <recon/parallel.h>
-#include <recon/patch_fit.h>
-#include <recon/spatial_order.h>
+#include <recon/search/block_search.h>
+#include <recon/search/spatial_order.h>
 
 #include <algorithm>
 #include <array>

@@ -7,14 +7,14 @@
 #include "thin_tubes.h"
 #include "thin_walls.h"
 
-#include <recon/back_sheets.h>
-#include <recon/block_search.h>
-#include <recon/cleanness.h>
-#include <recon/crust_mesh.h>
+#include <recon/bare_faces/label_flats.h>
+#include <recon/bare_faces/label_noisy_flats.h>
+#include <recon/crust/back_sheets.h>
 #include <recon/errors.h>
-#include <recon/label_flats.h>
-#include <recon/label_noisy_flats.h>
-#include <recon/mismatch.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/mismatch.h>
+#include <recon/noise/cleanness.h>
+#include <recon/search/block_search.h>
 
 #include <algorithm>
 #include <functional>

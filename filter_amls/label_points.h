@@ -3,7 +3,7 @@
 #include "surface.h"
 
 #include <recon/geometry.h>
-#include <recon/labelled_balls.h>
+#include <recon/labelling/labelled_balls.h>
 #include <recon/progress.h>
 
 #include <optional>

@@ -2,9 +2,9 @@
 
 #include "weighted_sums.h"
 
-#include <recon/block_search.h>
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/search/block_search.h>
+#include <recon/search/neighbours.h>
 #include <recon/simd.h>
 
 #include <algorithm>

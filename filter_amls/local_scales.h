@@ -1,9 +1,9 @@
 #pragma once
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
-#include <recon/noise.h>
+#include <recon/noise/noise.h>
 #include <recon/progress.h>
+#include <recon/search/block_search.h>
 
 #include <vector>
 

@@ -4,13 +4,13 @@
 #include "smooth_mesh.h"
 #include "surface_data.h"
 
-#include <recon/bare_faces.h>
+#include <recon/bare_faces/bare_faces.h>
+#include <recon/crust/lids.h>
+#include <recon/crust/weaving.h>
 #include <recon/errors.h>
-#include <recon/lids.h>
-#include <recon/mismatch.h>
-#include <recon/nearest_samples.h>
+#include <recon/mesh/mismatch.h>
 #include <recon/parallel.h>
-#include <recon/weaving.h>
+#include <recon/search/nearest_samples.h>
 
 #include <algorithm>
 #include <cmath>

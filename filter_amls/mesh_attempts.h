@@ -4,7 +4,7 @@
 #include "reconstruct_amls.h"
 #include "surface.h"
 
-#include <recon/crust.h>
+#include <recon/crust/crust.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 

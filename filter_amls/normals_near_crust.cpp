@@ -1,10 +1,10 @@
 #include "normals_near_crust.h"
 
-#include <recon/block_search.h>
 #include <recon/median.h>
-#include <recon/nearest_samples.h>
+#include <recon/mesh/triangle_tree.h>
 #include <recon/parallel.h>
-#include <recon/triangle_tree.h>
+#include <recon/search/block_search.h>
+#include <recon/search/nearest_samples.h>
 
 #include <Eigen/Geometry>
 

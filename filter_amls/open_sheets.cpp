@@ -1,8 +1,8 @@
 #include "open_sheets.h"
 
-#include <recon/block_search.h>
-#include <recon/crust_mesh.h>
-#include <recon/mismatch.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/mismatch.h>
+#include <recon/search/block_search.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <recon/back_sheets.h>
+#include <recon/crust/back_sheets.h>
 #include <recon/geometry.h>
-#include <recon/labelled_balls.h>
+#include <recon/labelling/labelled_balls.h>
 #include <recon/progress.h>
 
 #include <optional>

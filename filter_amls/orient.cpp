@@ -5,9 +5,9 @@
 #include "turn_patches.h"
 #include "turn_pieces.h"
 
-#include <recon/block_search.h>
-#include <recon/level_sheet.h>
+#include <recon/mesh/level_sheet.h>
 #include <recon/parallel.h>
+#include <recon/search/block_search.h>
 
 #include <Eigen/Geometry>
 

@@ -7,10 +7,10 @@
 #include "normals_near_crust.h"
 #include "project.h"
 
-#include <recon/convex_surface.h>
 #include <recon/errors.h>
+#include <recon/mesh/convex_surface.h>
 #include <recon/parallel.h>
-#include <recon/viewpoint.h>
+#include <recon/scan/viewpoint.h>
 
 #include <optional>
 

@@ -1,8 +1,8 @@
 #include "plain_mls.h"
 
 #include <recon/errors.h>
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/search/neighbours.h>
 
 #include <algorithm>
 #include <cmath>

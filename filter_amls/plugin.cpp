@@ -1,6 +1,6 @@
 #include "plugin_filters.h"
 
-#include <recon/rounding.h>
+#include <recon/noise/rounding.h>
 
 #include <sstream>
 

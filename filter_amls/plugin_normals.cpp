@@ -6,7 +6,7 @@
 #include "project.h"
 
 #include <meshlab/shared_parameters.h>
-#include <recon/weaving.h>
+#include <recon/crust/weaving.h>
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 
 #include <recon/errors.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>

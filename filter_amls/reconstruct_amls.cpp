@@ -2,19 +2,19 @@
 
 #include "mesh_attempts.h"
 
-#include <recon/back_sheets.h>
-#include <recon/bare_faces.h>
-#include <recon/convex_surface.h>
-#include <recon/crust_mesh.h>
+#include <recon/bare_faces/bare_faces.h>
+#include <recon/crust/back_sheets.h>
+#include <recon/crust/lids.h>
+#include <recon/crust/weaving.h>
 #include <recon/errors.h>
-#include <recon/lids.h>
-#include <recon/mismatch.h>
-#include <recon/neighbours.h>
+#include <recon/mesh/convex_surface.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/mismatch.h>
+#include <recon/mesh/taut_closing.h>
+#include <recon/mesh/trim.h>
 #include <recon/parallel.h>
-#include <recon/taut_closing.h>
-#include <recon/trim.h>
-#include <recon/viewpoint.h>
-#include <recon/weaving.h>
+#include <recon/scan/viewpoint.h>
+#include <recon/search/neighbours.h>
 
 #include <algorithm>
 #include <optional>

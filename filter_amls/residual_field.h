@@ -2,9 +2,9 @@
 
 #include "project.h"
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
+#include <recon/search/block_search.h>
 
 #include <vector>
 

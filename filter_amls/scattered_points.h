@@ -1,8 +1,8 @@
 #pragma once
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
+#include <recon/search/block_search.h>
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 #include "sides_of_thin_walls.h"
 
-#include <recon/crust_mesh.h>
 #include <recon/median.h>
-#include <recon/mismatch.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/mismatch.h>
 
 #include <cmath>
 #include <utility>

@@ -11,15 +11,15 @@
 #include "surface_data.h"
 #include "turn_pieces.h"
 
-#include <recon/block_search.h>
-#include <recon/depth_image.h>
 #include <recon/errors.h>
-#include <recon/level_sheet.h>
 #include <recon/median.h>
-#include <recon/neighbours.h>
+#include <recon/mesh/level_sheet.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
-#include <recon/viewpoint.h>
+#include <recon/scan/depth_image.h>
+#include <recon/scan/viewpoint.h>
+#include <recon/search/block_search.h>
+#include <recon/search/neighbours.h>
+#include <recon/search/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,11 +2,11 @@
 
 #include "cells.h"
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
-#include <recon/noise.h>
+#include <recon/noise/noise.h>
+#include <recon/noise/rounding.h>
 #include <recon/progress.h>
-#include <recon/rounding.h>
+#include <recon/search/block_search.h>
 
 namespace recon
 {

@@ -6,8 +6,8 @@
 #include "residual_field.h"
 #include "surface.h"
 
-#include <recon/block_search.h>
-#include <recon/spatial_order.h>
+#include <recon/search/block_search.h>
+#include <recon/search/spatial_order.h>
 
 #include <memory>
 

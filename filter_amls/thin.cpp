@@ -1,8 +1,8 @@
 #include "thin.h"
 
-#include <recon/block_search.h>
 #include <recon/parallel.h>
 #include <recon/scramble.h>
+#include <recon/search/block_search.h>
 
 #include <algorithm>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <recon/errors.h>
-#include <recon/mismatch.h>
+#include <recon/mesh/mismatch.h>
 
 #include <exception>
 #include <optional>

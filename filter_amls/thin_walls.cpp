@@ -1,6 +1,6 @@
 #include "thin_walls.h"
 
-#include <recon/crust_mesh.h>
+#include <recon/mesh/crust_mesh.h>
 
 namespace recon
 {

@@ -1,7 +1,7 @@
 #include "turn_pieces.h"
 
-#include <recon/block_search.h>
 #include <recon/disjoint_sets.h>
+#include <recon/search/block_search.h>
 
 #include <Eigen/Eigenvalues>
 

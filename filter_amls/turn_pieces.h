@@ -1,7 +1,7 @@
 #pragma once
 
 #include <recon/geometry.h>
-#include <recon/triangulation.h>
+#include <recon/triangulation/triangulation.h>
 
 #include <vector>
 

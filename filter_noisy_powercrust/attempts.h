@@ -3,8 +3,8 @@
 #include "label_samples.h"
 #include "prepare_samples.h"
 
-#include <recon/labelled_balls.h>
-#include <recon/mismatch.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/mismatch.h>
 #include <recon/progress.h>
 
 #include <cstddef>

@@ -9,12 +9,12 @@
 #include "filter_amls/thin_tubes.h"
 #include "filter_amls/thin_walls.h"
 
-#include <recon/back_sheets.h>
-#include <recon/bare_faces.h>
-#include <recon/crust_mesh.h>
+#include <recon/bare_faces/bare_faces.h>
+#include <recon/crust/back_sheets.h>
 #include <recon/errors.h>
-#include <recon/level_sheet.h>
-#include <recon/mismatch.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/level_sheet.h>
+#include <recon/mesh/mismatch.h>
 
 #include <optional>
 #include <utility>

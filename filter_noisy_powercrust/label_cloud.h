@@ -3,7 +3,7 @@
 #include "label_samples.h"
 #include "prepare_samples.h"
 
-#include <recon/labelled_balls.h>
+#include <recon/labelling/labelled_balls.h>
 #include <recon/progress.h>
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 #include "label_samples.h"
 
-#include <recon/label_flats.h>
-#include <recon/label_noisy_flats.h>
+#include <recon/bare_faces/label_flats.h>
+#include <recon/bare_faces/label_noisy_flats.h>
 
 #include <utility>
 

@@ -2,8 +2,8 @@
 
 #include "prepare_samples.h"
 
-#include <recon/crust_mesh.h>
-#include <recon/labelled_balls.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/crust_mesh.h>
 #include <recon/progress.h>
 
 #include <optional>

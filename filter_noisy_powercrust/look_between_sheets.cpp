@@ -1,8 +1,8 @@
 #include "look_between_sheets.h"
 
+#include <recon/crust/weaving.h>
 #include <recon/errors.h>
-#include <recon/mismatch.h>
-#include <recon/weaving.h>
+#include <recon/mesh/mismatch.h>
 
 #include <cmath>
 #include <iterator>

@@ -3,9 +3,9 @@
 #include "filter_amls/open_sheets.h"
 #include "filter_amls/thin_walls.h"
 
-#include <recon/label_noisy_flats.h>
-#include <recon/lids.h>
-#include <recon/mismatch.h>
+#include <recon/bare_faces/label_noisy_flats.h>
+#include <recon/crust/lids.h>
+#include <recon/mesh/mismatch.h>
 
 #include <algorithm>
 #include <cmath>

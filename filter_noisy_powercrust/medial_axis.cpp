@@ -4,9 +4,9 @@
 
 #include <recon/disjoint_sets.h>
 #include <recon/errors.h>
-#include <recon/labelled_balls.h>
-#include <recon/neighbours.h>
+#include <recon/labelling/labelled_balls.h>
 #include <recon/parallel.h>
+#include <recon/search/neighbours.h>
 
 #include <Eigen/Geometry>
 

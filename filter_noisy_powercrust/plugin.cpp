@@ -3,7 +3,7 @@
 
 #include <meshlab/filter_spec.h>
 #include <meshlab/shared_parameters.h>
-#include <recon/convex_surface.h>
+#include <recon/mesh/convex_surface.h>
 
 namespace
 {

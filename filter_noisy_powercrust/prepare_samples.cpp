@@ -4,11 +4,11 @@
 #include "filter_amls/sample_surface.h"
 #include "filter_amls/surface_data.h"
 
-#include <recon/cleanness.h>
 #include <recon/errors.h>
+#include <recon/noise/cleanness.h>
+#include <recon/noise/rounding.h>
 #include <recon/parallel.h>
-#include <recon/rounding.h>
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include <algorithm>
 #include <utility>

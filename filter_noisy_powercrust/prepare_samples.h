@@ -2,7 +2,7 @@
 
 #include "filter_amls/surface.h"
 
-#include <recon/complete_flats.h>
+#include <recon/bare_faces/complete_flats.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 

@@ -4,19 +4,19 @@
 #include "label_cloud.h"
 #include "sharp_edges.h"
 
-#include <recon/bare_faces.h>
-#include <recon/convex_surface.h>
-#include <recon/crust_mesh.h>
+#include <recon/bare_faces/bare_faces.h>
+#include <recon/crust/lids.h>
+#include <recon/crust/weaving.h>
 #include <recon/errors.h>
-#include <recon/labelled_balls.h>
-#include <recon/lids.h>
-#include <recon/mismatch.h>
-#include <recon/nearest_samples.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/convex_surface.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/mismatch.h>
+#include <recon/mesh/taut_closing.h>
+#include <recon/mesh/trim.h>
 #include <recon/parallel.h>
-#include <recon/taut_closing.h>
-#include <recon/trim.h>
-#include <recon/viewpoint.h>
-#include <recon/weaving.h>
+#include <recon/scan/viewpoint.h>
+#include <recon/search/nearest_samples.h>
 
 #include <algorithm>
 #include <cmath>

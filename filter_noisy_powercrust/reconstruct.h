@@ -2,7 +2,7 @@
 
 #include "prepare_samples.h"
 
-#include <recon/crust.h>
+#include <recon/crust/crust.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 

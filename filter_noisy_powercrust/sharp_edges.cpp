@@ -2,14 +2,14 @@
 
 #include "wedge.h"
 
-#include <recon/flip_edges.h>
-#include <recon/half_edge_mesh.h>
-#include <recon/keep_apart.h>
 #include <recon/median.h>
-#include <recon/nearest_samples.h>
+#include <recon/mesh/flip_edges.h>
+#include <recon/mesh/half_edge_mesh.h>
+#include <recon/mesh/triangle_cuts.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
-#include <recon/triangle_cuts.h>
+#include <recon/search/keep_apart.h>
+#include <recon/search/nearest_samples.h>
+#include <recon/search/spatial_order.h>
 
 #include <Eigen/Geometry>
 

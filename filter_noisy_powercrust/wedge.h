@@ -2,8 +2,8 @@
 
 #include "filter_amls/weighted_sums.h"
 
-#include <recon/block_search.h>
 #include <recon/geometry.h>
+#include <recon/search/block_search.h>
 
 #include <array>
 #include <optional>

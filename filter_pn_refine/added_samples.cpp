@@ -1,7 +1,7 @@
 #include "added_samples.h"
 
-#include <recon/neighbours.h>
-#include <recon/spatial_order.h>
+#include <recon/search/neighbours.h>
+#include <recon/search/spatial_order.h>
 
 #include <algorithm>
 #include <numeric>

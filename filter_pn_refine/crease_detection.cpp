@@ -4,8 +4,8 @@
 #include "face_fit.h"
 
 #include <recon/disjoint_sets.h>
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/search/neighbours.h>
 
 #include <Eigen/Geometry>
 

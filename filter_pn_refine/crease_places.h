@@ -2,7 +2,7 @@
 
 #include "usable_samples.h"
 
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include <memory>
 #include <vector>

@@ -2,8 +2,8 @@
 
 #include "hermite_surface.h"
 
+#include <recon/labelling/widest_turn.h>
 #include <recon/parallel.h>
-#include <recon/widest_turn.h>
 
 #include <Eigen/Geometry>
 

@@ -3,8 +3,8 @@
 #include "sparse_set.h"
 
 #include <recon/median.h>
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
+#include <recon/search/neighbours.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <recon/block_search.h>
 #include <recon/parallel.h>
+#include <recon/search/block_search.h>
 
 #include <algorithm>
 #include <vector>

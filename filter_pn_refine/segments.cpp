@@ -2,7 +2,7 @@
 
 #include "crease_sides.h"
 
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include <Eigen/Geometry>
 

@@ -1,8 +1,8 @@
 #include "usable_samples.h"
 
-#include <recon/neighbours.h>
 #include <recon/parallel.h>
-#include <recon/spatial_order.h>
+#include <recon/search/neighbours.h>
+#include <recon/search/spatial_order.h>
 
 #include <algorithm>
 #include <cmath>

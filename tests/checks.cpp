@@ -1,6 +1,6 @@
 #include "checks.h"
 
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include <Eigen/Geometry>
 

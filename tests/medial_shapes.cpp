@@ -2,7 +2,7 @@
 
 #include "shapes.h"
 
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include <algorithm>
 #include <cmath>

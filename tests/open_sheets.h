@@ -3,7 +3,7 @@
 #include "checks.h"
 #include "shapes.h"
 
-#include <recon/mismatch.h>
+#include <recon/mesh/mismatch.h>
 
 #include <gtest/gtest.h>
 

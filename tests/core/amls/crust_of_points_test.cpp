@@ -4,7 +4,7 @@
 #include "filter_amls/surface_data.h"
 
 #include <recon/errors.h>
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/shapes.h"
 

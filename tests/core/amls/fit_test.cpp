@@ -1,7 +1,7 @@
 #include <filter_amls/fit.h>
 
 #include <recon/errors.h>
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/shapes.h"
 

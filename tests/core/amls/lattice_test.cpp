@@ -4,7 +4,7 @@
 #include "tests/lattices.h"
 #include "tests/shapes.h"
 
-#include <recon/rounding.h>
+#include <recon/noise/rounding.h>
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 #include "tests/shapes.h"
 
-#include <recon/noise.h>
-#include <recon/spatial_order.h>
+#include <recon/noise/noise.h>
+#include <recon/search/spatial_order.h>
 
 #include <gtest/gtest.h>
 

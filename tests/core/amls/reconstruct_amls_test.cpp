@@ -6,7 +6,7 @@
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
-#include <recon/mismatch.h>
+#include <recon/mesh/mismatch.h>
 
 #include <gtest/gtest.h>
 

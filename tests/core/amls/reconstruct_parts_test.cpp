@@ -4,7 +4,7 @@
 #include "tests/flat_shapes.h"
 #include "tests/shapes.h"
 
-#include <recon/bare_faces.h>
+#include <recon/bare_faces/bare_faces.h>
 
 #include <gtest/gtest.h>
 

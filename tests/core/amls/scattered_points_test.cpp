@@ -3,7 +3,7 @@
 
 #include "tests/shapes.h"
 
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 #include "filter_amls/surface.h"
 #include "filter_amls/thin_walls.h"
 
-#include <recon/crust_mesh.h>
-#include <recon/spatial_order.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/shapes.h"
 

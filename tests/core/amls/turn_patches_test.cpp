@@ -1,8 +1,8 @@
 #include <filter_amls/turn_patches.h>
 
-#include <recon/delaunay.h>
-#include <recon/polar_balls.h>
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
+#include <recon/triangulation/delaunay.h>
+#include <recon/triangulation/polar_balls.h>
 
 #include "tests/shapes.h"
 

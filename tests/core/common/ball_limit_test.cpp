@@ -1,7 +1,7 @@
-#include <recon/crust_mesh.h>
-#include <recon/labelled_balls.h>
-#include <recon/mismatch.h>
-#include <recon/spatial_order.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/mismatch.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/shapes.h"
 

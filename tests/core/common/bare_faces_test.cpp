@@ -1,10 +1,10 @@
-#include <recon/bare_faces.h>
+#include <recon/bare_faces/bare_faces.h>
 
 #include "tests/flat_shapes.h"
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include <gtest/gtest.h>
 

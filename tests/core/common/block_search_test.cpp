@@ -1,5 +1,5 @@
-#include <recon/block_search.h>
-#include <recon/spatial_order.h>
+#include <recon/search/block_search.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/shapes.h"
 

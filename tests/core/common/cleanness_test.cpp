@@ -1,7 +1,7 @@
-#include <recon/ball_scale.h>
-#include <recon/cleanness.h>
-#include <recon/delaunay.h>
-#include <recon/spatial_order.h>
+#include <recon/labelling/ball_scale.h>
+#include <recon/noise/cleanness.h>
+#include <recon/search/spatial_order.h>
+#include <recon/triangulation/delaunay.h>
 
 #include "tests/shapes.h"
 

@@ -1,5 +1,5 @@
 // The hull of points that all lie on it: convex_surface.h.
-#include <recon/convex_surface.h>
+#include <recon/mesh/convex_surface.h>
 
 #include "tests/checks.h"
 #include "tests/shapes.h"

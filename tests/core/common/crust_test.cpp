@@ -1,14 +1,14 @@
-#include <recon/ball_attraction.h>
-#include <recon/collapse_edges.h>
-#include <recon/crust.h>
-#include <recon/crust_mesh.h>
-#include <recon/crust_repair.h>
-#include <recon/delaunay.h>
+#include <recon/crust/crust.h>
 #include <recon/disjoint_sets.h>
-#include <recon/labelled_balls.h>
-#include <recon/neighbours.h>
-#include <recon/polar_balls.h>
-#include <recon/power_diagram.h>
+#include <recon/labelling/ball_attraction.h>
+#include <recon/labelling/crust_repair.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/collapse_edges.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/search/neighbours.h>
+#include <recon/triangulation/delaunay.h>
+#include <recon/triangulation/polar_balls.h>
+#include <recon/triangulation/power_diagram.h>
 
 #include "tests/checks.h"
 #include "tests/shapes.h"

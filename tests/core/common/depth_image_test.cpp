@@ -1,5 +1,5 @@
-#include <recon/depth_image.h>
-#include <recon/spatial_order.h>
+#include <recon/scan/depth_image.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/scans.h"
 #include "tests/shapes.h"

@@ -1,11 +1,11 @@
-#include <recon/collapse_edges.h>
-#include <recon/crust.h>
-#include <recon/flip_edges.h>
-#include <recon/half_edge_mesh.h>
-#include <recon/interpolate_samples.h>
-#include <recon/labelled_balls.h>
-#include <recon/nearest_samples.h>
-#include <recon/weld_clusters.h>
+#include <recon/crust/crust.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/collapse_edges.h>
+#include <recon/mesh/flip_edges.h>
+#include <recon/mesh/half_edge_mesh.h>
+#include <recon/mesh/interpolate_samples.h>
+#include <recon/mesh/weld_clusters.h>
+#include <recon/search/nearest_samples.h>
 
 #include <gtest/gtest.h>
 

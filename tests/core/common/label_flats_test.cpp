@@ -1,10 +1,10 @@
-#include <recon/label_flats.h>
+#include <recon/bare_faces/label_flats.h>
 
 #include "tests/flat_shapes.h"
 #include "tests/shapes.h"
 
-#include <recon/label_noisy_flats.h>
-#include <recon/spatial_order.h>
+#include <recon/bare_faces/label_noisy_flats.h>
+#include <recon/search/spatial_order.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <recon/level_sheet.h>
+#include <recon/mesh/level_sheet.h>
 
 #include "tests/shapes.h"
 

@@ -1,10 +1,10 @@
-#include <recon/lids.h>
+#include <recon/crust/lids.h>
 
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
-#include <recon/crust_mesh.h>
-#include <recon/mismatch.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/mismatch.h>
 #include <recon/progress.h>
 
 #include <gtest/gtest.h>

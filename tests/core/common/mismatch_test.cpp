@@ -1,6 +1,6 @@
-#include <recon/crust.h>
-#include <recon/labelled_balls.h>
-#include <recon/mismatch.h>
+#include <recon/crust/crust.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/mismatch.h>
 
 #include <gtest/gtest.h>
 

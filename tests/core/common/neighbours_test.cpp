@@ -1,4 +1,4 @@
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include "tests/shapes.h"
 

@@ -1,4 +1,4 @@
-#include <recon/noise.h>
+#include <recon/noise/noise.h>
 
 #include <recon/errors.h>
 

@@ -1,7 +1,7 @@
-#include <recon/block_search.h>
-#include <recon/delaunay.h>
-#include <recon/opposite_votes.h>
-#include <recon/polar_balls.h>
+#include <recon/labelling/opposite_votes.h>
+#include <recon/search/block_search.h>
+#include <recon/triangulation/delaunay.h>
+#include <recon/triangulation/polar_balls.h>
 
 #include "tests/shapes.h"
 

@@ -1,7 +1,7 @@
 #include <recon/errors.h>
-#include <recon/power_predicates.h>
-#include <recon/regular_triangulation.h>
-#include <recon/remove_sites.h>
+#include <recon/triangulation/power_predicates.h>
+#include <recon/triangulation/regular_triangulation.h>
+#include <recon/triangulation/remove_sites.h>
 
 #include "tests/shapes.h"
 

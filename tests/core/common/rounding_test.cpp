@@ -1,5 +1,5 @@
-#include <recon/rounding.h>
-#include <recon/spatial_order.h>
+#include <recon/noise/rounding.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/lattices.h"
 #include "tests/scans.h"

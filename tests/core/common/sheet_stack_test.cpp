@@ -1,6 +1,6 @@
-#include <recon/block_search.h>
-#include <recon/sheet_stack.h>
-#include <recon/spatial_order.h>
+#include <recon/noise/sheet_stack.h>
+#include <recon/search/block_search.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/scans.h"
 #include "tests/shapes.h"

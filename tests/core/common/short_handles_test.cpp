@@ -1,8 +1,8 @@
-#include <recon/ball_link.h>
-#include <recon/crust_mesh.h>
-#include <recon/crust_repair.h>
-#include <recon/power_diagram.h>
-#include <recon/short_handles.h>
+#include <recon/labelling/ball_link.h>
+#include <recon/labelling/crust_repair.h>
+#include <recon/labelling/short_handles.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/triangulation/power_diagram.h>
 
 #include "tests/checks.h"
 

@@ -1,6 +1,6 @@
-#include <recon/contraction.h>
-#include <recon/minimum_cut.h>
-#include <recon/signed_labelling.h>
+#include <recon/labelling/contraction.h>
+#include <recon/labelling/minimum_cut.h>
+#include <recon/labelling/signed_labelling.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/shapes.h"
 

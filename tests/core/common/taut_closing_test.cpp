@@ -1,7 +1,7 @@
-#include <recon/crust.h>
-#include <recon/labelled_balls.h>
-#include <recon/taut_closing.h>
-#include <recon/triangle_cuts.h>
+#include <recon/crust/crust.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/taut_closing.h>
+#include <recon/mesh/triangle_cuts.h>
 
 #include "tests/checks.h"
 #include "tests/shapes.h"

@@ -1,4 +1,4 @@
-#include <recon/triangle_tree.h>
+#include <recon/mesh/triangle_tree.h>
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include <recon/delaunay.h>
 #include <recon/errors.h>
-#include <recon/power_centre.h>
-#include <recon/power_diagram.h>
+#include <recon/triangulation/delaunay.h>
+#include <recon/triangulation/power_centre.h>
+#include <recon/triangulation/power_diagram.h>
 
 #include "tests/shapes.h"
 

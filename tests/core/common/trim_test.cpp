@@ -1,8 +1,8 @@
-#include <recon/crust.h>
-#include <recon/crust_mesh.h>
+#include <recon/crust/crust.h>
 #include <recon/errors.h>
-#include <recon/labelled_balls.h>
-#include <recon/trim.h>
+#include <recon/labelling/labelled_balls.h>
+#include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/trim.h>
 
 #include "tests/checks.h"
 #include "tests/shapes.h"

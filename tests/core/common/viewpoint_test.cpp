@@ -1,6 +1,6 @@
 #include <recon/errors.h>
-#include <recon/spatial_order.h>
-#include <recon/viewpoint.h>
+#include <recon/scan/viewpoint.h>
+#include <recon/search/spatial_order.h>
 
 #include "tests/scans.h"
 #include "tests/shapes.h"

@@ -1,6 +1,6 @@
-#include <recon/weaving.h>
+#include <recon/crust/weaving.h>
 
-#include <recon/crust_mesh.h>
+#include <recon/mesh/crust_mesh.h>
 
 #include <gtest/gtest.h>
 

@@ -4,10 +4,10 @@
 #include "tests/flat_shapes.h"
 #include "tests/shapes.h"
 
-#include <recon/complete_flats.h>
+#include <recon/bare_faces/complete_flats.h>
+#include <recon/bare_faces/planar_faces.h>
 #include <recon/errors.h>
-#include <recon/planar_faces.h>
-#include <recon/spatial_order.h>
+#include <recon/search/spatial_order.h>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 #include "filter_noisy_powercrust/prepare_samples.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
-#include <recon/bare_faces.h>
-#include <recon/complete_noisy_flats.h>
+#include <recon/bare_faces/bare_faces.h>
+#include <recon/bare_faces/complete_noisy_flats.h>
 
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"

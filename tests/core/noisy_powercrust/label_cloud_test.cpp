@@ -9,7 +9,7 @@
 #include "tests/scans.h"
 #include "tests/shapes.h"
 
-#include <recon/mismatch.h>
+#include <recon/mesh/mismatch.h>
 
 #include <gtest/gtest.h>
 

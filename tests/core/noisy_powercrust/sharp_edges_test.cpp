@@ -6,8 +6,8 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
-#include <recon/spatial_order.h>
-#include <recon/triangle_cuts.h>
+#include <recon/mesh/triangle_cuts.h>
+#include <recon/search/spatial_order.h>
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include <gtest/gtest.h>
 

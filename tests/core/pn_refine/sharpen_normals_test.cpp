@@ -4,7 +4,7 @@
 
 #include "tests/shapes.h"
 
-#include <recon/neighbours.h>
+#include <recon/search/neighbours.h>
 
 #include <gtest/gtest.h>
 
