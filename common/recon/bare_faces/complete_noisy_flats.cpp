@@ -22,6 +22,9 @@ namespace
 
 /// Distance of samples on walls [rim spacings].
 constexpr double wall_density = 0.4;
+/// Nearer than this to samples of an earlier wall whose normals agree as much, but so far off that wall, a wall gets
+/// none [rim spacings; cosine; noise].
+constexpr double beside_wall = 1.2, same_wall = 0.5, off_wall = 1;
 /// Denoised samples so near to the new ones give way: no surface could be fitted there [noise].
 constexpr double replaced_within = 3.5;
 /// Share of a face's rim that has walls, at least.
@@ -30,6 +33,9 @@ constexpr double least_walled = 0.5;
 constexpr double agreeing = 0.1;
 /// Cosine between the normals of planes that are the same if a place lies in both.
 constexpr double parallel = 0.99;
+/// Faces of two slabs are the same if their planes are, and centres and sizes of their boxes differ by less than this
+/// share of the size.
+constexpr double same_box = 0.15;
 /// Share of a rim above which larger faces account for it.
 constexpr double explained = 0.7;
 
@@ -65,8 +71,9 @@ public:
         for (std::size_t v = 0; v < found.rims.size(); ++v)
             if (rim_normals_[v].norm() > 0.1)
                 append(found.rims[v], rim_normals_[v].normalized());
-        for (const int k : keep_apart(wall_points_, wall_radii_))
-            append(wall_points_[k], wall_normals_[k].normalized());
+        const OrientedSamples on_walls = choose_wall_samples();
+        for (std::size_t i = 0; i < on_walls.points.size(); ++i)
+            append(on_walls.points[i], on_walls.normals[i]);
         Points present = result_.points;
         for (std::size_t i = 0; i < samples_.size(); ++i)
             if (!result_.is_replaced[i])
@@ -80,12 +87,22 @@ public:
         return std::move(result_);
     }
 
-    /// Takes in those faces from `first` on that have walls.
+    /// Takes in those faces from `first` on that have walls; of one that is known the version with more of them stays.
     void add_walled(const NoisyFaces& found, std::size_t first)
     {
+        const auto known = std::ptrdiff_t(walled_.size());
         for (std::size_t k = first; k < found.faces.size(); ++k)
-            if (std::optional<WalledFace> entry = make_walled(found.faces[k], found.rims))
+        {
+            std::optional<WalledFace> entry = make_walled(found.faces[k], found.rims);
+            if (!entry)
+                continue;
+            const auto same = std::find_if(walled_.begin(), walled_.begin() + known,
+                                           [&](const WalledFace& other) { return is_same(*entry, other); });
+            if (same == walled_.begin() + known)
                 walled_.push_back(std::move(*entry));
+            else if (entry->walled > same->walled)
+                *same = std::move(*entry);
+        }
         std::stable_sort(walled_.begin(), walled_.end(),
                          [](const WalledFace& a, const WalledFace& b) { return a.area > b.area; });
     }
@@ -137,8 +154,56 @@ private:
         FlatFace face;
         std::vector<RimLoop> loops;
         std::vector<RimWall> walls;
+        Eigen::AlignedBox3d box;
         double area = 0;
+        double walled = 0; ///< Length of its rims that have walls.
     };
+
+    bool is_same(const WalledFace& a, const WalledFace& b) const
+    {
+        const double size = b.box.diagonal().norm();
+        return is_among({a.face.origin, a.face.normal}, {{b.face.origin, b.face.normal}}) &&
+               (a.box.center() - b.box.center()).norm() < same_box * size &&
+               std::abs(a.box.diagonal().norm() - size) < same_box * size;
+    }
+
+    /// What may become samples of a wall.
+    struct RaisedWall
+    {
+        OrientedSamples samples;
+        double spacing = 0; ///< Of its rim.
+    };
+
+    /// What two faces say of a wall between them may differ by what noise leaves of their rims: samples of both would
+    /// make grooves, so those of the larger face stay.
+    OrientedSamples choose_wall_samples() const
+    {
+        OrientedSamples chosen;
+        for (const RaisedWall& raised : raised_)
+        {
+            const OrientedSamples& wall = raised.samples;
+            std::optional<NeighbourSearch> others;
+            if (!chosen.points.empty())
+                others.emplace(chosen.points);
+            const std::vector<double> apart(wall.points.size(), wall_density * raised.spacing);
+            const double beside = beside_wall * raised.spacing;
+            const auto is_new = [&](int i)
+            {
+                if (!others)
+                    return true;
+                const int nearest = others->nearest(wall.points[i]);
+                const Vector offset = wall.points[i] - chosen.points[nearest], normal = chosen.normals[nearest];
+                return offset.norm() > beside || normal.dot(wall.normals[i]) < same_wall ||
+                       std::abs(offset.dot(normal)) < off_wall * noise_;
+            };
+            for (const int i : keep_apart(wall.points, apart, is_new))
+            {
+                chosen.points.push_back(wall.points[i]);
+                chosen.normals.push_back(wall.normals[i]);
+            }
+        }
+        return chosen;
+    }
 
     void append(const Point& p, const Vector& normal)
     {
@@ -157,14 +222,16 @@ private:
         entry.loops = list_rim_loops(face, rims);
         for (const auto& t : face.triangles)
             entry.area += 0.5 * (rims[t[1]] - rims[t[0]]).cross(rims[t[2]] - rims[t[0]]).norm();
+        for (const int v : face.rim)
+            entry.box.extend(rims[v]);
         find_walls(entry, rims);
-        double length = 0, walled = 0;
+        double length = 0;
         for (const RimWall& wall : entry.walls)
         {
             length += wall.length;
-            walled += wall.side != 0 ? wall.length : 0;
+            entry.walled += wall.side != 0 ? wall.length : 0;
         }
-        return walled >= least_walled * length ? std::optional(std::move(entry)) : std::nullopt;
+        return entry.walled >= least_walled * length ? std::optional(std::move(entry)) : std::nullopt;
     }
 
     void find_walls(WalledFace& entry, const Points& rims)
@@ -310,16 +377,17 @@ private:
     {
         const Vector up = wall.side * face.normal;
         const double spacing = median(loop.gaps);
+        RaisedWall raised{{}, spacing};
+        auto& [places, normals] = raised.samples;
         const auto raise = [&](const Point& foot, const Vector& away, double height)
         {
             const int pieces = std::max(1, int(std::ceil(height / spacing)));
             for (int j = 1; j <= pieces; ++j)
             {
                 const Vector normal = -wall.side * away;
-                wall_points_.push_back(foot + (height * j / pieces) * up);
-                placed_.push_back(wall_points_.back());
-                wall_normals_.push_back(ends_at_base && j == pieces ? Vector(normal - face.normal) : normal);
-                wall_radii_.push_back(wall_density * spacing);
+                places.push_back(foot + (height * j / pieces) * up);
+                placed_.push_back(places.back());
+                normals.push_back(ends_at_base && j == pieces ? Vector(normal - face.normal).normalized() : normal);
             }
         };
         for (std::size_t k = 0; k < loop.rim.size(); ++k)
@@ -339,6 +407,7 @@ private:
                       wall.steps.empty() ? wall.height : wall.steps[edge[t < 0.5 ? 0 : 1]]);
             }
         }
+        raised_.push_back(std::move(raised));
     }
 
     /// The face again, seen from behind, where rims with walls of that depth are nearest.
@@ -374,27 +443,33 @@ private:
     std::vector<NoisyPlane> planes_; ///< Of the faces so far.
     Vectors rim_normals_;            ///< Sums over what meets at each rim sample.
     Points placed_;                  ///< On rims and walls so far.
-    Points wall_points_;
-    Vectors wall_normals_;
-    std::vector<double> wall_radii_;
+    std::vector<RaisedWall> raised_; ///< Those of the largest face first.
     std::vector<Base> bases_;
     NoisyFlatCompletion result_;
 };
 
 } // namespace
 
-NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const Points& samples,
-                                         const Vectors& normals, int threads, const Progress& progress)
+NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<double>& slabs,
+                                         const Points& samples, const Vectors& normals, int threads,
+                                         const Progress& progress)
 {
-    NoisyFaces found = find_noisy_faces(points, noise, threads, progress);
+    NoisyFlatCompleter completer(points, noise, samples, normals);
+    NoisyFaces found;
+    std::size_t known = 0;
+    const auto add = [&](NoisyFaces&& more)
+    {
+        append(std::move(more), found);
+        completer.add_walled(found, known);
+        known = found.faces.size();
+    };
+    for (std::size_t k = 0; k < slabs.size(); ++k)
+        add(find_noisy_faces(points, slabs[k] * noise, threads,
+                             progress.part(double(k) / double(slabs.size()), (k + 1.0) / double(slabs.size()))));
     if (found.faces.empty())
         return {};
-    NoisyFlatCompleter completer(points, noise, samples, normals);
-    completer.add_walled(found, 0);
-    const std::size_t first = found.faces.size();
     // A bevel or a fillet beside it hides the plane on the other side of a plate; the bores through it end there.
-    append(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, threads), found);
-    completer.add_walled(found, first);
+    add(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, threads));
     return completer.complete(found, threads);
 }
 

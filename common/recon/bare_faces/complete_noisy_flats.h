@@ -18,9 +18,11 @@ struct NoisyFlatCompletion
 
 /// Finds flat faces that carry noisy points on their rims only, and puts samples on rims, faces and the bare walls
 /// between a rim and points straight above or below all along it: walls of bores and edges of plates. \param points
-/// distinct, in spatial order, of unit scale. \param noise standard deviation > 0. \param samples denoised points,
-/// which tell the outside by their \p normals. \throws Cancelled.
-NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const Points& samples,
-                                         const Vectors& normals, int threads, const Progress& progress = {});
+/// distinct, in spatial order, of unit scale. \param noise standard deviation > 0. \param slabs widths of those in
+/// which faces are sought, in all of them [1 = by the noise]. \param samples denoised points, which tell the outside by
+/// their \p normals. \throws Cancelled.
+NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<double>& slabs,
+                                         const Points& samples, const Vectors& normals, int threads,
+                                         const Progress& progress = {});
 
 } // namespace recon

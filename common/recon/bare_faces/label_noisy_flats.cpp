@@ -18,10 +18,20 @@ namespace
 /// Up to the first share of violated votes a denoised cloud is not searched for bare faces, up to the second only if
 /// its crust is bare somewhere: a plate with samples on its rims and bores may come out filled with few objections.
 constexpr double calm_votes = 0.001, calm_votes_of_whole = 0.005;
-/// Widths of the slabs in which planes are sought, in turns, while the votes refuse the completed crust or it is bare
-/// or in pieces [1 = by the noise]. Rims with a bevel of one or two sigma fit one of these better; which, the bare area
-/// tells.
-constexpr double slab_widths[] = {1, 1.1, 1.35};
+/// Slabs in which planes are sought, in turns, while the votes refuse the completed crust or it is bare or in pieces.
+/// Rims with a bevel of one or two sigma fit some of these better; which, the bare area tells.
+struct Slabs
+{
+    double noise;               ///< Assumed in all that follows [1 = the noise].
+    std::vector<double> widths; ///< In each of these faces are sought [1 = by that noise].
+    bool are_wide;
+};
+/// One part may have rims with wide bevels and without: faces of several widths together.
+const Slabs slabs_in_turn[] = {{1, {1}, false},  {1.1, {1}, false}, {1.35, {1}, false}, {1, {1, 1.35, 1.7, 2.1}, true},
+                               {1.7, {1}, true}, {2.1, {1}, true}};
+/// Wide slabs hold both rims of a bevel, and the face comes to lie between them: above this share of violated votes
+/// only. Below 0.009 plates bevelled by 2.6 to 3.3 sigma were right without.
+constexpr double votes_for_wide_slabs = 0.01;
 /// Share of the lack that other slabs may leave.
 constexpr double clearly_less = 0.5;
 
@@ -43,20 +53,20 @@ struct JudgedFlats
     {
         if (bodies != other.bodies)
             return bodies < other.bodies && lack <= std::max(bare_lid, other.lack);
-        return lack < clearly_less * other.lack;
+        return lack < clearly_less * other.lack ||
+               (lack < other.lack && flats.labelled.violated_votes < other.flats.labelled.violated_votes);
     }
 };
 
 using Label = std::function<LabelledBalls(const Points&, const Vectors&)>;
 
-/// With samples on bare flat faces in the place of those around their rims. None if there are none. \param width of the
-/// slabs in which faces are sought [1 = by the standard deviation of the noise].
-std::optional<LabelledNoisyFlats> complete(const DenoisedCloud& cloud, double width, const Label& label,
+/// With samples on bare flat faces in the place of those around their rims. None if there are none.
+std::optional<LabelledNoisyFlats> complete(const DenoisedCloud& cloud, const Slabs& slabs, const Label& label,
                                            PhaseTimes& times, int threads)
 {
     times.begin("flat faces");
-    const NoisyFlatCompletion flats =
-        complete_noisy_flats(cloud.points, width * cloud.noise, cloud.samples, cloud.normals, threads);
+    const NoisyFlatCompletion flats = complete_noisy_flats(cloud.points, slabs.noise * cloud.noise, slabs.widths,
+                                                           cloud.samples, cloud.normals, threads);
     if (flats.points.empty())
         return {};
     Points samples;
@@ -129,13 +139,15 @@ std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cl
     if (violated <= calm_votes_of_whole && !is_bare())
         return {};
     std::optional<JudgedFlats> best;
-    for (const double width : slab_widths)
+    for (const Slabs& slabs : slabs_in_turn)
     {
-        std::optional<LabelledNoisyFlats> flats = complete(cloud, width, label, times, threads);
+        if (slabs.are_wide && violated <= votes_for_wide_slabs)
+            break;
+        std::optional<LabelledNoisyFlats> flats = complete(cloud, slabs, label, times, threads);
         if (!flats)
         {
-            // Few clouds have any.
-            if (best || !is_bare())
+            // Few clouds have any; what several slabs do not show one of them does not.
+            if (best || !is_bare() || slabs.widths.size() > 1)
                 break;
             continue;
         }

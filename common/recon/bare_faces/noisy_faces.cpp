@@ -26,6 +26,9 @@ constexpr int rounds = 4;
 constexpr double reach = 6;
 /// Distances of denoised rim samples that are tried [noise].
 constexpr double rim_steps[] = {2, 1.5, 2.5};
+/// Where rims are sparse all samples of a spot become one: within this share of the distance to the next [count; 1].
+constexpr int of_a_spot = 5;
+constexpr double spot_share = 0.2;
 /// Share of points on no rim: the rims that explain most come first.
 constexpr double strays[] = {0.05, 0.1, 0.2};
 /// Points that say where a curve runs.
@@ -144,6 +147,18 @@ private:
         Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
         Flat slope = Flat::Zero(); ///< Of heights with places.
         double variance = 0;       ///< Of heights.
+        double effective = 0;      ///< As many members of equal weight would say as much [count].
+
+        /// Whether heights lean with the place: by the share of their variance that a slope explains, less what it
+        /// would of that many heights by chance.
+        bool is_leaning() const
+        {
+            constexpr double unknowns = 3;
+            if (!(effective > unknowns))
+                return false;
+            const double left = variance - slope.dot(spread.ldlt().solve(slope));
+            return left * (effective - 1) < (1 - leaning) * variance * (effective - unknowns);
+        }
     };
 
     Moments sum_up(const Members& members, const NeighbourSearch& search, const Point& p, double radius,
@@ -151,12 +166,13 @@ private:
     {
         Moments result;
         search.within(p, radius, near);
-        double sum = 0, height = 0;
+        double sum = 0, squares = 0, height = 0;
         std::vector<double> weights;
         for (const int i : near)
         {
             weights.push_back(std::exp(-8 * (members.flat[i] - p).squaredNorm() / (radius * radius)));
             sum += weights.back();
+            squares += weights.back() * weights.back();
             result.mean += weights.back() * members.flat[i];
             height += weights.back() * members.heights[i];
         }
@@ -164,6 +180,7 @@ private:
             return result;
         result.mean /= sum;
         height /= sum;
+        result.effective = sum * sum / squares;
         for (std::size_t k = 0; k < near.size(); ++k)
         {
             const Flat off = (members.flat[near[k]] - result.mean).head<2>();
@@ -195,7 +212,7 @@ private:
         {
             const Point& p = members.flat[k];
             const Moments moments = sum_up(members, search, p, choose_reach(search, p), near);
-            if (moments.slope.dot(moments.spread.ldlt().solve(moments.slope)) > leaning * moments.variance)
+            if (moments.is_leaning())
                 continue;
             result.flat.push_back(p);
             result.heights.push_back(members.heights[k]);
@@ -272,7 +289,16 @@ private:
     /// One point for all within reach of each that stays, their mean.
     Points merge(const Points& drawn, double step) const
     {
-        const std::vector<int> kept = keep_apart(drawn, std::vector<double>(drawn.size(), step * noise_));
+        const NeighbourSearch around(drawn);
+        std::vector<double> radii;
+        for (const Point& p : drawn)
+        {
+            int indices[of_a_spot + 1];
+            double squared[of_a_spot + 1];
+            const int count = around.nearest(p, of_a_spot + 1, indices, squared);
+            radii.push_back(std::max(step * noise_, spot_share * std::sqrt(squared[count - 1])));
+        }
+        const std::vector<int> kept = keep_apart(drawn, radii);
         const Points centres = points_at(kept, drawn);
         const NeighbourSearch search(centres);
         Points sums(kept.size(), Point::Zero());
@@ -286,7 +312,7 @@ private:
         const double usual = median(counts);
         Points result;
         for (std::size_t k = 0; k < sums.size(); ++k)
-            if (counts[k] >= fewest_share * usual)
+            if (counts[k] >= fewest_share * usual || radii[std::size_t(kept[k])] > 2 * step * noise_)
                 result.push_back(sums[k] / counts[k]);
         return result;
     }

@@ -3,6 +3,7 @@
 
 #include <recon/bare_faces/bare_faces.h>
 #include <recon/bare_faces/complete_noisy_flats.h>
+#include <recon/bare_faces/noisy_faces.h>
 
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"
@@ -49,9 +50,10 @@ PreparedSamples prepare(const Points& points, int threads = 1)
 }
 
 /// In input units. \param share of the noise that is assumed.
-NoisyFlatCompletion complete(const PreparedSamples& cloud, int threads = 1, double share = 1)
+NoisyFlatCompletion complete(const PreparedSamples& cloud, int threads = 1, double share = 1,
+                             const std::vector<double>& slabs = {1})
 {
-    NoisyFlatCompletion flats = complete_noisy_flats(cloud.distinct, share * cloud.noise / cloud.frame.scale(),
+    NoisyFlatCompletion flats = complete_noisy_flats(cloud.distinct, share * cloud.noise / cloud.frame.scale(), slabs,
                                                      cloud.samples, cloud.normals, threads);
     cloud.frame.from_unit_in_place(flats.points);
     return flats;
@@ -158,6 +160,64 @@ TEST(CompleteNoisyFlats, FacesBevelledByLittleMoreThanTheNoiseAreFound)
                 ++on_faces[p.z() > 0];
         }
         EXPECT_GT(std::min(on_faces[0], on_faces[1]), 100) << share;
+    }
+}
+
+TEST(CompleteNoisyFlats, SpotsOfSparseRimsAreOneSampleEach)
+{
+    // 20 to 30 standard deviations apart.
+    constexpr double sparse_noise = 0.002, height = 0.2;
+    Points rim;
+    append_ring(rim, 0, 0, 0, outer, 46);
+    append_ring(rim, 0, 0, 0, hub, 22);
+    for (int k = 0; k < bores; ++k)
+        append_ring(rim, 0.33 * std::cos(pi / 2 * k), 0.33 * std::sin(pi / 2 * k), 0, 0.06, 9);
+    Points points = rim;
+    for (const Point& p : rim)
+        points.push_back(p + height * Vector::UnitZ());
+    const PreparedSamples cloud = prepare(shapes::with_noisy_copies(points, sparse_noise, 4, 1));
+    const NoisyFaces found = find_noisy_faces(cloud.distinct, cloud.noise / cloud.frame.scale(), 1);
+    int faces = 0;
+    for (const FlatFace& face : found.faces)
+    {
+        const Point middle = cloud.frame.from_unit(face.origin);
+        if (face.rim.size() < 60 || std::min(std::abs(middle.z()), std::abs(middle.z() - height)) > sparse_noise)
+            continue;
+        ++faces;
+        EXPECT_NEAR(double(face.rim.size()), double(rim.size()), 0.05 * double(rim.size()));
+    }
+    EXPECT_GE(faces, 2);
+}
+
+TEST(CompleteNoisyFlats, WiderSlabsFindFacesBetweenTheRimsOfABevel)
+{
+    const PreparedSamples cloud = prepare(shapes::with_noisy_copies(bevelled_plate(2.65 * 0.004), 0.004, 4, 9));
+    int on_faces[2] = {0, 0};
+    for (const Point& p : complete(cloud, 1, 1, {1, 1.35, 1.7}).points)
+    {
+        const double radius = std::hypot(p.x(), p.y());
+        if (radius > 0.25 && radius < 0.4 && std::abs(std::abs(p.z()) - 0.5 * plate) < 2.65 * 0.004)
+            ++on_faces[p.z() > 0];
+    }
+    EXPECT_GT(std::min(on_faces[0], on_faces[1]), 100);
+}
+
+TEST(CompleteNoisyFlats, OneOfTwoFacesSaysWhereTheWallBetweenThemIs)
+{
+    constexpr double off = 2.2 * noise;
+    Points points;
+    append_ring(points, 0, 0, 0, outer, 100);
+    append_ring(points, 0, 0, plate, outer + off, 77); // not in step with those below
+    for (const unsigned seed : {12u, 13u, 14u})
+    {
+        const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(points, noise, 4, seed));
+        std::vector<double> radii;
+        for (std::size_t i = 0; i < flats.points.size(); ++i)
+            if (std::abs(flats.points[i].z() - 0.5 * plate) < 0.3 * plate && std::abs(flats.normals[i].z()) < 0.5)
+                radii.push_back(flats.points[i].head<2>().norm());
+        std::sort(radii.begin(), radii.end());
+        ASSERT_GT(radii.size(), 100u);
+        EXPECT_LT(radii[radii.size() * 19 / 20] - radii[radii.size() / 20], 2 * noise) << seed;
     }
 }
 

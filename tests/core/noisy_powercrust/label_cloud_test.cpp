@@ -166,7 +166,7 @@ TEST(NoisyPowerCrust, RimsWithLowBevelsAreSoughtInWiderSlabs)
     NoisyPowerCrustOptions options;
     options.keep_components = KeepComponents::all;
     const NoisyPowerCrust crust =
-        reconstruct_noisy_power_crust(shapes::with_noisy_copies(points, noise, 4, 1), options);
+        reconstruct_noisy_power_crust(shapes::with_noisy_copies(points, noise, 4, 2), options);
     const checks::MeshReport report = checks::examine_mesh(crust.mesh);
     EXPECT_TRUE(report.is_closed_oriented_manifold()) << report.text();
     EXPECT_EQ(report.components, 2);
