@@ -451,7 +451,7 @@ private:
 } // namespace
 
 NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<double>& slabs,
-                                         const Points& samples, const Vectors& normals, int threads,
+                                         Leaning leaning, const Points& samples, const Vectors& normals, int threads,
                                          const Progress& progress)
 {
     NoisyFlatCompleter completer(points, noise, samples, normals);
@@ -464,12 +464,12 @@ NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, con
         known = found.faces.size();
     };
     for (std::size_t k = 0; k < slabs.size(); ++k)
-        add(find_noisy_faces(points, slabs[k] * noise, threads,
+        add(find_noisy_faces(points, slabs[k] * noise, leaning, threads,
                              progress.part(double(k) / double(slabs.size()), (k + 1.0) / double(slabs.size()))));
     if (found.faces.empty())
         return {};
     // A bevel or a fillet beside it hides the plane on the other side of a plate; the bores through it end there.
-    add(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, threads));
+    add(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, leaning, threads));
     return completer.complete(found, threads);
 }
 

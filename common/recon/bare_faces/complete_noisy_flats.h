@@ -1,5 +1,6 @@
 #pragma once
 
+#include <recon/bare_faces/noisy_faces.h>
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
@@ -22,7 +23,7 @@ struct NoisyFlatCompletion
 /// which faces are sought, in all of them [1 = by the noise]. \param samples denoised points, which tell the outside by
 /// their \p normals. \throws Cancelled.
 NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<double>& slabs,
-                                         const Points& samples, const Vectors& normals, int threads,
+                                         Leaning leaning, const Points& samples, const Vectors& normals, int threads,
                                          const Progress& progress = {});
 
 } // namespace recon

@@ -24,13 +24,14 @@ struct Slabs
 {
     double noise;               ///< Assumed in all that follows [1 = the noise].
     std::vector<double> widths; ///< In each of these faces are sought [1 = by that noise].
-    bool are_wide;
+    bool are_wide;              ///< Or for sparse rims.
 };
 /// One part may have rims with wide bevels and without: faces of several widths together.
-const Slabs slabs_in_turn[] = {{1, {1}, false},  {1.1, {1}, false}, {1.35, {1}, false}, {1, {1, 1.35, 1.7, 2.1}, true},
-                               {1.7, {1}, true}, {2.1, {1}, true}};
+const Slabs slabs_in_turn[] = {
+    {1, {1}, false},  {1.1, {1}, false}, {1.35, {1}, false}, {1, {1}, true}, {1, {1, 1.35, 1.7, 2.1}, true},
+    {1.7, {1}, true}, {2.1, {1}, true}};
 /// Wide slabs hold both rims of a bevel, and the face comes to lie between them: above this share of violated votes
-/// only. Below 0.009 plates bevelled by 2.6 to 3.3 sigma were right without.
+/// only, and if points lie along lines. Below 0.009 plates bevelled by 2.6 to 3.3 sigma were right without.
 constexpr double votes_for_wide_slabs = 0.01;
 /// Share of the lack that other slabs may leave.
 constexpr double clearly_less = 0.5;
@@ -66,6 +67,7 @@ std::optional<LabelledNoisyFlats> complete(const DenoisedCloud& cloud, const Sla
 {
     times.begin("flat faces");
     const NoisyFlatCompletion flats = complete_noisy_flats(cloud.points, slabs.noise * cloud.noise, slabs.widths,
+                                                           slabs.are_wide ? Leaning::beyond_chance : Leaning::by_share,
                                                            cloud.samples, cloud.normals, threads);
     if (flats.points.empty())
         return {};
@@ -138,10 +140,17 @@ std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cl
     };
     if (violated <= calm_votes_of_whole && !is_bare())
         return {};
+    std::optional<bool> wide;
+    const auto may_be_wide = [&]
+    {
+        if (!wide)
+            wide = violated > votes_for_wide_slabs && lie_along_lines(cloud.points, BlockSearch(cloud.points, threads));
+        return *wide;
+    };
     std::optional<JudgedFlats> best;
     for (const Slabs& slabs : slabs_in_turn)
     {
-        if (slabs.are_wide && violated <= votes_for_wide_slabs)
+        if (slabs.are_wide && !may_be_wide())
             break;
         std::optional<LabelledNoisyFlats> flats = complete(cloud, slabs, label, times, threads);
         if (!flats)

@@ -83,7 +83,10 @@ void find_away(FlatFace& face, const Points& samples)
 class NoisyFaceFinder
 {
 public:
-    NoisyFaceFinder(const Points& points, double noise) : points_(points), noise_(noise), search_(points) {}
+    NoisyFaceFinder(const Points& points, double noise, Leaning leaning)
+        : points_(points), noise_(noise), leaning_(leaning), search_(points)
+    {
+    }
 
     NoisyFaces find(int threads, const Progress& progress) const
     {
@@ -149,15 +152,16 @@ private:
         double variance = 0;       ///< Of heights.
         double effective = 0;      ///< As many members of equal weight would say as much [count].
 
-        /// Whether heights lean with the place: by the share of their variance that a slope explains, less what it
-        /// would of that many heights by chance.
-        bool is_leaning() const
+        /// Whether heights lean with the place.
+        bool is_leaning(Leaning told) const
         {
+            const double explained = slope.dot(spread.ldlt().solve(slope));
+            if (told == Leaning::by_share)
+                return explained > leaning * variance;
             constexpr double unknowns = 3;
             if (!(effective > unknowns))
                 return false;
-            const double left = variance - slope.dot(spread.ldlt().solve(slope));
-            return left * (effective - 1) < (1 - leaning) * variance * (effective - unknowns);
+            return (variance - explained) * (effective - 1) < (1 - leaning) * variance * (effective - unknowns);
         }
     };
 
@@ -212,7 +216,7 @@ private:
         {
             const Point& p = members.flat[k];
             const Moments moments = sum_up(members, search, p, choose_reach(search, p), near);
-            if (moments.is_leaning())
+            if (moments.is_leaning(leaning_))
                 continue;
             result.flat.push_back(p);
             result.heights.push_back(members.heights[k]);
@@ -446,6 +450,7 @@ private:
 
     const Points& points_;
     double noise_;
+    Leaning leaning_;
     BlockSearch search_;
 };
 
@@ -466,14 +471,15 @@ void append(NoisyFaces&& more, NoisyFaces& all)
     }
 }
 
-NoisyFaces find_noisy_faces_on(const Points& points, const std::vector<NoisyPlane>& planes, double noise, int threads)
+NoisyFaces find_noisy_faces_on(const Points& points, const std::vector<NoisyPlane>& planes, double noise,
+                               Leaning leaning, int threads)
 {
-    return NoisyFaceFinder(points, noise).find_on(planes, threads, {});
+    return NoisyFaceFinder(points, noise, leaning).find_on(planes, threads, {});
 }
 
-NoisyFaces find_noisy_faces(const Points& points, double noise, int threads, const Progress& progress)
+NoisyFaces find_noisy_faces(const Points& points, double noise, Leaning leaning, int threads, const Progress& progress)
 {
-    return NoisyFaceFinder(points, noise).find(threads, progress);
+    return NoisyFaceFinder(points, noise, leaning).find(threads, progress);
 }
 
 } // namespace recon

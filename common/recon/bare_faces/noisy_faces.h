@@ -14,13 +14,22 @@ struct NoisyFaces
     std::vector<FlatFace> faces;
 };
 
+/// Points around which heights lean with the place are no rim's: the surface crosses the plane there.
+enum class Leaning
+{
+    by_share,     ///< By the share of the variance that a slope explains; of a lone spot's few points it may by chance.
+    beyond_chance ///< Less what it would explain of as many heights by chance: for sparse rims.
+};
+
 /// As find_flat_faces(), from points with noise. Rims are denoised in their planes: across a curve of samples no normal
 /// is told from another, so that no surface fitted there can do it. \param points distinct, in spatial order, of unit
 /// scale. \param noise standard deviation > 0. \throws Cancelled.
-NoisyFaces find_noisy_faces(const Points& points, double noise, int threads, const Progress& progress = {});
+NoisyFaces find_noisy_faces(const Points& points, double noise, Leaning leaning, int threads,
+                            const Progress& progress = {});
 
 /// The same in planes that are known. \throws Cancelled.
-NoisyFaces find_noisy_faces_on(const Points& points, const std::vector<NoisyPlane>& planes, double noise, int threads);
+NoisyFaces find_noisy_faces_on(const Points& points, const std::vector<NoisyPlane>& planes, double noise,
+                               Leaning leaning, int threads);
 
 /// Adds the faces of `more` and their rims to `all`.
 void append(NoisyFaces&& more, NoisyFaces& all);

@@ -51,10 +51,10 @@ PreparedSamples prepare(const Points& points, int threads = 1)
 
 /// In input units. \param share of the noise that is assumed.
 NoisyFlatCompletion complete(const PreparedSamples& cloud, int threads = 1, double share = 1,
-                             const std::vector<double>& slabs = {1})
+                             const std::vector<double>& slabs = {1}, Leaning leaning = Leaning::by_share)
 {
     NoisyFlatCompletion flats = complete_noisy_flats(cloud.distinct, share * cloud.noise / cloud.frame.scale(), slabs,
-                                                     cloud.samples, cloud.normals, threads);
+                                                     leaning, cloud.samples, cloud.normals, threads);
     cloud.frame.from_unit_in_place(flats.points);
     return flats;
 }
@@ -176,7 +176,8 @@ TEST(CompleteNoisyFlats, SpotsOfSparseRimsAreOneSampleEach)
     for (const Point& p : rim)
         points.push_back(p + height * Vector::UnitZ());
     const PreparedSamples cloud = prepare(shapes::with_noisy_copies(points, sparse_noise, 4, 1));
-    const NoisyFaces found = find_noisy_faces(cloud.distinct, cloud.noise / cloud.frame.scale(), 1);
+    const NoisyFaces found =
+        find_noisy_faces(cloud.distinct, cloud.noise / cloud.frame.scale(), Leaning::beyond_chance, 1);
     int faces = 0;
     for (const FlatFace& face : found.faces)
     {
@@ -193,7 +194,7 @@ TEST(CompleteNoisyFlats, WiderSlabsFindFacesBetweenTheRimsOfABevel)
 {
     const PreparedSamples cloud = prepare(shapes::with_noisy_copies(bevelled_plate(2.65 * 0.004), 0.004, 4, 9));
     int on_faces[2] = {0, 0};
-    for (const Point& p : complete(cloud, 1, 1, {1, 1.35, 1.7}).points)
+    for (const Point& p : complete(cloud, 1, 1, {1, 1.35, 1.7}, Leaning::beyond_chance).points)
     {
         const double radius = std::hypot(p.x(), p.y());
         if (radius > 0.25 && radius < 0.4 && std::abs(std::abs(p.z()) - 0.5 * plate) < 2.65 * 0.004)
@@ -210,7 +211,8 @@ TEST(CompleteNoisyFlats, OneOfTwoFacesSaysWhereTheWallBetweenThemIs)
     append_ring(points, 0, 0, plate, outer + off, 77); // not in step with those below
     for (const unsigned seed : {12u, 13u, 14u})
     {
-        const NoisyFlatCompletion flats = complete(shapes::with_noisy_copies(points, noise, 4, seed));
+        const NoisyFlatCompletion flats =
+            complete(prepare(shapes::with_noisy_copies(points, noise, 4, seed)), 1, 1, {1}, Leaning::beyond_chance);
         std::vector<double> radii;
         for (std::size_t i = 0; i < flats.points.size(); ++i)
             if (std::abs(flats.points[i].z() - 0.5 * plate) < 0.3 * plate && std::abs(flats.normals[i].z()) < 0.5)
