@@ -137,15 +137,16 @@ public:
     }
 
 private:
-    /// Whether one of the planes is parallel and holds the plane's origin.
     bool is_among(const NoisyPlane& plane, const std::vector<NoisyPlane>& planes) const
     {
         return std::any_of(planes.begin(), planes.end(),
-                           [&](const NoisyPlane& other)
-                           {
-                               return std::abs(other.normal.dot(plane.normal)) > parallel &&
-                                      std::abs(other.height(plane.origin)) < slab_half * noise_;
-                           });
+                           [&](const NoisyPlane& other) { return is_same(plane, other); });
+    }
+
+    /// Whether `b` is parallel and holds the origin of `a`.
+    bool is_same(const NoisyPlane& a, const NoisyPlane& b) const
+    {
+        return std::abs(b.normal.dot(a.normal)) > parallel && std::abs(b.height(a.origin)) < slab_half * noise_;
     }
 
     /// A face, its rims, and the wall along each.
@@ -162,7 +163,7 @@ private:
     bool is_same(const WalledFace& a, const WalledFace& b) const
     {
         const double size = b.box.diagonal().norm();
-        return is_among({a.face.origin, a.face.normal}, {{b.face.origin, b.face.normal}}) &&
+        return is_same({a.face.origin, a.face.normal}, NoisyPlane{b.face.origin, b.face.normal}) &&
                (a.box.center() - b.box.center()).norm() < same_box * size &&
                std::abs(a.box.diagonal().norm() - size) < same_box * size;
     }
@@ -450,24 +451,21 @@ private:
 
 } // namespace
 
-NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<double>& slabs,
-                                         Leaning leaning, const Points& samples, const Vectors& normals, int threads,
-                                         const Progress& progress)
+NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<NoisyFaces>& in_slabs,
+                                         Leaning leaning, const Points& samples, const Vectors& normals, int threads)
 {
+    if (std::all_of(in_slabs.begin(), in_slabs.end(), [](const NoisyFaces& some) { return some.faces.empty(); }))
+        return {};
     NoisyFlatCompleter completer(points, noise, samples, normals);
     NoisyFaces found;
-    std::size_t known = 0;
-    const auto add = [&](NoisyFaces&& more)
+    const auto add = [&](NoisyFaces more)
     {
+        const std::size_t known = found.faces.size();
         append(std::move(more), found);
         completer.add_walled(found, known);
-        known = found.faces.size();
     };
-    for (std::size_t k = 0; k < slabs.size(); ++k)
-        add(find_noisy_faces(points, slabs[k] * noise, leaning, threads,
-                             progress.part(double(k) / double(slabs.size()), (k + 1.0) / double(slabs.size()))));
-    if (found.faces.empty())
-        return {};
+    for (const NoisyFaces& some : in_slabs)
+        add(some);
     // A bevel or a fillet beside it hides the plane on the other side of a plate; the bores through it end there.
     add(find_noisy_faces_on(points, completer.list_planes_at_wall_ends(found), noise, leaning, threads));
     return completer.complete(found, threads);

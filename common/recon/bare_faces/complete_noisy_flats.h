@@ -2,7 +2,6 @@
 
 #include <recon/bare_faces/noisy_faces.h>
 #include <recon/geometry.h>
-#include <recon/progress.h>
 
 #include <vector>
 
@@ -17,13 +16,13 @@ struct NoisyFlatCompletion
     std::vector<char> is_replaced; ///< Per denoised sample: the new ones take its place.
 };
 
-/// Finds flat faces that carry noisy points on their rims only, and puts samples on rims, faces and the bare walls
-/// between a rim and points straight above or below all along it: walls of bores and edges of plates. \param points
-/// distinct, in spatial order, of unit scale. \param noise standard deviation > 0. \param slabs widths of those in
-/// which faces are sought, in all of them [1 = by the noise]. \param samples denoised points, which tell the outside by
-/// their \p normals. \throws Cancelled.
-NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<double>& slabs,
-                                         Leaning leaning, const Points& samples, const Vectors& normals, int threads,
-                                         const Progress& progress = {});
+/// Puts samples on flat faces that carry noisy points on their rims only: on rims, faces and the bare walls between a
+/// rim and points straight above or below all along it, walls of bores and edges of plates. \param points distinct, in
+/// spatial order, of unit scale. \param noise standard deviation > 0. \param in_slabs what find_noisy_faces() found, in
+/// slabs of one width or of several: of a face that is in more than one of them the version with more walls stays.
+/// \param leaning as told there, for planes that are found behind those. \param samples denoised points, which tell the
+/// outside by their \p normals.
+NoisyFlatCompletion complete_noisy_flats(const Points& points, double noise, const std::vector<NoisyFaces>& in_slabs,
+                                         Leaning leaning, const Points& samples, const Vectors& normals, int threads);
 
 } // namespace recon

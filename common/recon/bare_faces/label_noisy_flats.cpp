@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -24,15 +25,20 @@ struct Slabs
 {
     double noise;               ///< Assumed in all that follows [1 = the noise].
     std::vector<double> widths; ///< In each of these faces are sought [1 = by that noise].
-    bool are_wide;              ///< Or for sparse rims.
+    Leaning leaning;
 };
-/// One part may have rims with wide bevels and without: faces of several widths together.
-const Slabs slabs_in_turn[] = {
-    {1, {1}, false},  {1.1, {1}, false}, {1.35, {1}, false}, {1, {1}, true}, {1, {1, 1.35, 1.7, 2.1}, true},
-    {1.7, {1}, true}, {2.1, {1}, true}};
-/// Wide slabs hold both rims of a bevel, and the face comes to lie between them: above this share of violated votes
-/// only, and if points lie along lines. Below 0.009 plates bevelled by 2.6 to 3.3 sigma were right without.
-constexpr double votes_for_wide_slabs = 0.01;
+/// The last four are for sparse rims, and wide: one part may have rims with wide bevels and without, so faces of
+/// several widths are taken together.
+const Slabs slabs_in_turn[] = {{1, {1}, Leaning::by_share},
+                               {1.1, {1}, Leaning::by_share},
+                               {1.35, {1}, Leaning::by_share},
+                               {1, {1}, Leaning::beyond_chance},
+                               {1, {1, 1.35, 1.7, 2.1}, Leaning::beyond_chance},
+                               {1.7, {1}, Leaning::beyond_chance},
+                               {2.1, {1}, Leaning::beyond_chance}};
+/// Wide slabs hold both rims of a bevel, and the face comes to lie between them: these only above this share of
+/// violated votes, and if points lie along lines. Below 0.009 plates bevelled by 2.6 to 3.3 sigma were right without.
+constexpr double votes_for_last_slabs = 0.01;
 /// Share of the lack that other slabs may leave.
 constexpr double clearly_less = 0.5;
 
@@ -61,14 +67,39 @@ struct JudgedFlats
 
 using Label = std::function<LabelledBalls(const Points&, const Vectors&)>;
 
+/// Faces of a cloud in slabs, each sought once.
+class FacesInSlabs
+{
+public:
+    FacesInSlabs(const DenoisedCloud& cloud, int threads) : cloud_(cloud), threads_(threads) {}
+
+    std::vector<NoisyFaces> list(const Slabs& slabs)
+    {
+        std::vector<NoisyFaces> result;
+        for (const double width : slabs.widths)
+        {
+            const double noise = width * slabs.noise * cloud_.noise;
+            const auto [place, is_new] = known_.insert({{slabs.leaning, noise}, {}});
+            if (is_new)
+                place->second = find_noisy_faces(cloud_.points, noise, slabs.leaning, threads_);
+            result.push_back(place->second);
+        }
+        return result;
+    }
+
+private:
+    const DenoisedCloud& cloud_;
+    int threads_;
+    std::map<std::pair<Leaning, double>, NoisyFaces> known_; ///< By the noise assumed.
+};
+
 /// With samples on bare flat faces in the place of those around their rims. None if there are none.
-std::optional<LabelledNoisyFlats> complete(const DenoisedCloud& cloud, const Slabs& slabs, const Label& label,
-                                           PhaseTimes& times, int threads)
+std::optional<LabelledNoisyFlats> complete(const DenoisedCloud& cloud, const Slabs& slabs, FacesInSlabs& faces,
+                                           const Label& label, PhaseTimes& times, int threads)
 {
     times.begin("flat faces");
-    const NoisyFlatCompletion flats = complete_noisy_flats(cloud.points, slabs.noise * cloud.noise, slabs.widths,
-                                                           slabs.are_wide ? Leaning::beyond_chance : Leaning::by_share,
-                                                           cloud.samples, cloud.normals, threads);
+    const NoisyFlatCompletion flats = complete_noisy_flats(cloud.points, slabs.noise * cloud.noise, faces.list(slabs),
+                                                           slabs.leaning, cloud.samples, cloud.normals, threads);
     if (flats.points.empty())
         return {};
     Points samples;
@@ -140,19 +171,21 @@ std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cl
     };
     if (violated <= calm_votes_of_whole && !is_bare())
         return {};
-    std::optional<bool> wide;
-    const auto may_be_wide = [&]
+    std::optional<bool> sparse;
+    const auto may_be_sparse = [&]
     {
-        if (!wide)
-            wide = violated > votes_for_wide_slabs && lie_along_lines(cloud.points, BlockSearch(cloud.points, threads));
-        return *wide;
+        if (!sparse)
+            sparse =
+                violated > votes_for_last_slabs && lie_along_lines(cloud.points, BlockSearch(cloud.points, threads));
+        return *sparse;
     };
+    FacesInSlabs faces(cloud, threads);
     std::optional<JudgedFlats> best;
     for (const Slabs& slabs : slabs_in_turn)
     {
-        if (slabs.are_wide && !may_be_wide())
+        if (slabs.leaning == Leaning::beyond_chance && !may_be_sparse())
             break;
-        std::optional<LabelledNoisyFlats> flats = complete(cloud, slabs, label, times, threads);
+        std::optional<LabelledNoisyFlats> flats = complete(cloud, slabs, faces, label, times, threads);
         if (!flats)
         {
             // Few clouds have any; what several slabs do not show one of them does not.

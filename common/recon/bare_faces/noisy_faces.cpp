@@ -158,7 +158,7 @@ private:
             const double explained = slope.dot(spread.ldlt().solve(slope));
             if (told == Leaning::by_share)
                 return explained > leaning * variance;
-            constexpr double unknowns = 3;
+            constexpr double unknowns = 3; // of a plane
             if (!(effective > unknowns))
                 return false;
             return (variance - explained) * (effective - 1) < (1 - leaning) * variance * (effective - unknowns);
@@ -315,6 +315,7 @@ private:
         }
         const double usual = median(counts);
         Points result;
+        // A spot far from the next is no stray of a rim, however few its points.
         for (std::size_t k = 0; k < sums.size(); ++k)
             if (counts[k] >= fewest_share * usual || radii[std::size_t(kept[k])] > 2 * step * noise_)
                 result.push_back(sums[k] / counts[k]);

@@ -53,8 +53,12 @@ PreparedSamples prepare(const Points& points, int threads = 1)
 NoisyFlatCompletion complete(const PreparedSamples& cloud, int threads = 1, double share = 1,
                              const std::vector<double>& slabs = {1}, Leaning leaning = Leaning::by_share)
 {
-    NoisyFlatCompletion flats = complete_noisy_flats(cloud.distinct, share * cloud.noise / cloud.frame.scale(), slabs,
-                                                     leaning, cloud.samples, cloud.normals, threads);
+    const double assumed = share * cloud.noise / cloud.frame.scale();
+    std::vector<NoisyFaces> faces;
+    for (const double slab : slabs)
+        faces.push_back(find_noisy_faces(cloud.distinct, slab * assumed, leaning, threads));
+    NoisyFlatCompletion flats =
+        complete_noisy_flats(cloud.distinct, assumed, faces, leaning, cloud.samples, cloud.normals, threads);
     cloud.frame.from_unit_in_place(flats.points);
     return flats;
 }
