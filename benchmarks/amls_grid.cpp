@@ -8,8 +8,8 @@
 #include "mesh_distance.h"
 #include "models.h"
 
-#include <filter_amls/outward_normals.h>
-#include <filter_amls/project.h>
+#include "filter_amls/normals/outward_normals.h"
+#include "filter_amls/surface/project.h"
 
 #include <Eigen/Geometry>
 

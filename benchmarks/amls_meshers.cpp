@@ -4,10 +4,10 @@
 #include "mesh_distance.h"
 #include "models.h"
 
-#include <filter_amls/project.h>
-#include <filter_amls/reconstruct_amls.h>
-#include <filter_amls/sample_surface.h>
-#include <filter_amls/surface_data.h>
+#include "filter_amls/mesh/reconstruct_amls.h"
+#include "filter_amls/surface/project.h"
+#include "filter_amls/surface/sample_surface.h"
+#include "filter_amls/surface/surface_data.h"
 
 #include <recon/search/neighbours.h>
 

@@ -3,7 +3,8 @@
 
 #include "tests/shapes.h"
 
-#include <filter_amls/project.h>
+#include "filter_amls/surface/project.h"
+
 #include <recon/noise/noise.h>
 
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include "tests/shapes.h"
 
-#include <filter_amls/project.h>
+#include "filter_amls/surface/project.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,10 @@
 // [convergence] [feature_size]
 #include "models.h"
 
-#include <filter_amls/delaunay_ball_normals.h>
-#include <filter_amls/local_feature_size.h>
-#include <filter_amls/plain_mls.h>
-#include <filter_amls/project.h>
+#include "filter_amls/paper/delaunay_ball_normals.h"
+#include "filter_amls/paper/plain_mls.h"
+#include "filter_amls/surface/local_feature_size.h"
+#include "filter_amls/surface/project.h"
 
 #include "tests/shapes.h"
 

@@ -3,8 +3,8 @@
 #include "mesh_distance.h"
 #include "models.h"
 
-#include <filter_amls/reconstruct_amls.h>
-#include <filter_noisy_powercrust/reconstruct.h>
+#include "filter_amls/mesh/reconstruct_amls.h"
+#include "filter_noisy_powercrust/reconstruct.h"
 
 #include "tests/checks.h"
 

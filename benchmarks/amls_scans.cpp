@@ -4,7 +4,7 @@
 #include "mesh_distance.h"
 #include "models.h"
 
-#include <filter_amls/project.h>
+#include "filter_amls/surface/project.h"
 
 #include <Eigen/Geometry>
 

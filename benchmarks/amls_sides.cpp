@@ -6,9 +6,9 @@
 // [degrees] of the AMLS surface's normals and of the filter's, against the mesh's at the vertex.
 #include "models.h"
 
-#include "filter_amls/outward_normals.h"
-#include "filter_amls/project.h"
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
+#include "filter_amls/normals/outward_normals.h"
+#include "filter_amls/surface/project.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"

@@ -2,7 +2,7 @@
 // Without clouds: tori of 100,000 to 2 million points with noise of half the spacing, one process each for the memory.
 #include "models.h"
 
-#include <filter_amls/project.h>
+#include "filter_amls/surface/project.h"
 
 #include "tests/shapes.h"
 

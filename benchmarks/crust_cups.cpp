@@ -4,7 +4,7 @@
 #include "even_samples.h"
 #include "models.h"
 
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"

@@ -6,8 +6,8 @@
 // them before a wall, in pixels whose depth is a whole number of steps that grow with its square; odd seeds are in its
 // own coordinates. So are those of a laser scanner, which stands in the middle and turns, half of them in a room. Of
 // several stations each has half the rays, and sweep follows sweep, in the room's coordinates.
-#include "filter_amls/outward_normals.h"
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
+#include "filter_amls/normals/outward_normals.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "mesh_distance.h"
 #include "models.h"

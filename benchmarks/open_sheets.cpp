@@ -7,8 +7,8 @@
 #include "models.h"
 #include "pn_models.h"
 
-#include "filter_amls/outward_normals.h"
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
+#include "filter_amls/normals/outward_normals.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/shapes.h"

@@ -1,8 +1,7 @@
 #pragma once
 
+#include "filter_pn_refine/refine.h"
 #include "models.h"
-
-#include <filter_pn_refine/refine.h>
 
 #include <cstdint>
 #include <functional>

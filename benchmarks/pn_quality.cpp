@@ -5,8 +5,8 @@
 #include "mesh_distance.h"
 #include "pn_models.h"
 
-#include <filter_amls/outward_normals.h>
-#include <filter_pn_refine/sharpen_normals.h>
+#include "filter_amls/normals/outward_normals.h"
+#include "filter_pn_refine/sharpen_normals.h"
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "surface.h"
+#include "filter_amls/surface/surface.h"
 
 #include <meshlab/filter_spec.h>
 

@@ -1,9 +1,9 @@
 #include "plugin_filters.h"
 
-#include "delaunay_ball_normals.h"
-#include "local_feature_size.h"
-#include "outward_normals.h"
-#include "project.h"
+#include "filter_amls/normals/outward_normals.h"
+#include "filter_amls/paper/delaunay_ball_normals.h"
+#include "filter_amls/surface/local_feature_size.h"
+#include "filter_amls/surface/project.h"
 
 #include <meshlab/shared_parameters.h>
 #include <recon/crust/weaving.h>

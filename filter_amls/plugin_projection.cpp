@@ -1,9 +1,9 @@
 #include "plugin_filters.h"
 
-#include "delaunay_ball_normals.h"
-#include "feature_size.h"
-#include "plain_mls.h"
-#include "project.h"
+#include "filter_amls/paper/delaunay_ball_normals.h"
+#include "filter_amls/paper/feature_size.h"
+#include "filter_amls/paper/plain_mls.h"
+#include "filter_amls/surface/project.h"
 
 #include <meshlab/shared_parameters.h>
 

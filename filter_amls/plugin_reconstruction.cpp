@@ -1,6 +1,6 @@
 #include "plugin_filters.h"
 
-#include "reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
 
 #include <meshlab/shared_parameters.h>
 #include <recon/mesh/convex_surface.h>

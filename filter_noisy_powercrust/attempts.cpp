@@ -1,6 +1,6 @@
 #include "attempts.h"
 
-#include "filter_amls/sample_surface.h"
+#include "filter_amls/surface/sample_surface.h"
 
 #include <algorithm>
 #include <utility>

@@ -4,10 +4,10 @@
 #include "look_between_sheets.h"
 #include "look_for_walls.h"
 
-#include "filter_amls/label_points.h"
-#include "filter_amls/open_sheets.h"
-#include "filter_amls/thin_tubes.h"
-#include "filter_amls/thin_walls.h"
+#include "filter_amls/mesh/label_points.h"
+#include "filter_amls/mesh/open_sheets.h"
+#include "filter_amls/mesh/thin_tubes.h"
+#include "filter_amls/mesh/thin_walls.h"
 
 #include <recon/bare_faces/bare_faces.h>
 #include <recon/crust/back_sheets.h>

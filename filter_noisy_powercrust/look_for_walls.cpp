@@ -1,7 +1,7 @@
 #include "look_for_walls.h"
 
-#include "filter_amls/open_sheets.h"
-#include "filter_amls/thin_walls.h"
+#include "filter_amls/mesh/open_sheets.h"
+#include "filter_amls/mesh/thin_walls.h"
 
 #include <recon/bare_faces/label_noisy_flats.h>
 #include <recon/crust/lids.h>

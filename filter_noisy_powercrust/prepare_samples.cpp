@@ -1,8 +1,8 @@
 #include "prepare_samples.h"
 
-#include "filter_amls/isolated_points.h"
-#include "filter_amls/sample_surface.h"
-#include "filter_amls/surface_data.h"
+#include "filter_amls/cells/isolated_points.h"
+#include "filter_amls/surface/sample_surface.h"
+#include "filter_amls/surface/surface_data.h"
 
 #include <recon/errors.h>
 #include <recon/noise/cleanness.h>

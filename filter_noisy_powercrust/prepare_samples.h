@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filter_amls/surface.h"
+#include "filter_amls/surface/surface.h"
 
 #include <recon/bare_faces/complete_flats.h>
 #include <recon/geometry.h>

@@ -1,6 +1,6 @@
 #include "reconstruct.h"
 
-#include "filter_amls/smooth_mesh.h"
+#include "filter_amls/mesh/smooth_mesh.h"
 #include "label_cloud.h"
 #include "sharp_edges.h"
 

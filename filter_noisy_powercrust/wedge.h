@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filter_amls/weighted_sums.h"
+#include "filter_amls/fits/weighted_sums.h"
 
 #include <recon/geometry.h>
 #include <recon/search/block_search.h>

@@ -1,8 +1,8 @@
 #include "refine.h"
 #include "sharpen_normals.h"
 
-#include <filter_amls/isolated_points.h>
-#include <filter_amls/outward_normals.h>
+#include "filter_amls/cells/isolated_points.h"
+#include "filter_amls/normals/outward_normals.h"
 
 #include <meshlab/filter_spec.h>
 #include <meshlab/shared_parameters.h>

@@ -1,5 +1,5 @@
 // What stands on a ground, what a depth camera saw, and scans out of register.
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
 
 #include "tests/checks.h"
 #include "tests/ground_scenes.h"

@@ -1,4 +1,4 @@
-#include <filter_amls/bend_correction.h>
+#include "filter_amls/fits/bend_correction.h"
 
 #include "tests/shapes.h"
 

@@ -1,4 +1,4 @@
-#include <filter_amls/cell_sides.h>
+#include "filter_amls/cells/cell_sides.h"
 
 #include "tests/shapes.h"
 

@@ -1,5 +1,5 @@
-#include <filter_amls/cells_across.h>
-#include <filter_amls/project.h>
+#include "filter_amls/cells/cells_across.h"
+#include "filter_amls/surface/project.h"
 
 #include "tests/medial_shapes.h"
 #include "tests/shapes.h"

@@ -1,7 +1,7 @@
-#include "filter_amls/crust_of_points.h"
-#include "filter_amls/label_points.h"
-#include "filter_amls/sides_of_thin_walls.h"
-#include "filter_amls/surface_data.h"
+#include "filter_amls/mesh/label_points.h"
+#include "filter_amls/sides/crust_of_points.h"
+#include "filter_amls/sides/sides_of_thin_walls.h"
+#include "filter_amls/surface/surface_data.h"
 
 #include <recon/errors.h>
 #include <recon/search/spatial_order.h>

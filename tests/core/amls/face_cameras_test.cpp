@@ -1,4 +1,4 @@
-#include "filter_amls/face_cameras.h"
+#include "filter_amls/sides/face_cameras.h"
 
 #include "tests/checks.h"
 #include "tests/shapes.h"

@@ -1,6 +1,6 @@
-#include <filter_amls/delaunay_ball_normals.h>
-#include <filter_amls/local_feature_size.h>
-#include <filter_amls/project.h>
+#include "filter_amls/paper/delaunay_ball_normals.h"
+#include "filter_amls/surface/local_feature_size.h"
+#include "filter_amls/surface/project.h"
 
 #include <recon/errors.h>
 

@@ -1,4 +1,4 @@
-#include <filter_amls/fit.h>
+#include "filter_amls/fits/fit.h"
 
 #include <recon/errors.h>
 #include <recon/search/spatial_order.h>

@@ -1,4 +1,4 @@
-#include "filter_amls/isolated_points.h"
+#include "filter_amls/cells/isolated_points.h"
 
 #include "tests/shapes.h"
 

@@ -1,4 +1,4 @@
-#include "filter_amls/label_balls.h"
+#include "filter_amls/sides/label_balls.h"
 
 #include <gtest/gtest.h>
 

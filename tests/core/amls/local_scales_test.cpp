@@ -1,4 +1,4 @@
-#include "filter_amls/local_scales.h"
+#include "filter_amls/fits/local_scales.h"
 
 #include "tests/shapes.h"
 

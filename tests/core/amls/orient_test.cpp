@@ -1,4 +1,4 @@
-#include <filter_amls/orient.h>
+#include "filter_amls/sides/orient.h"
 
 #include <recon/errors.h>
 

@@ -1,6 +1,6 @@
-#include "filter_amls/outward_normals.h"
+#include "filter_amls/normals/outward_normals.h"
 
-#include "filter_amls/project.h"
+#include "filter_amls/surface/project.h"
 #include "project_all.h"
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"

@@ -1,4 +1,4 @@
-#include <filter_amls/plain_mls.h>
+#include "filter_amls/paper/plain_mls.h"
 
 #include <recon/errors.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filter_amls/project.h>
+#include "filter_amls/surface/project.h"
 
 /// Points onto the surface that they define, by defaults.
 inline recon::AmlsProjection project_all(const recon::Points& points, int threads = 0)

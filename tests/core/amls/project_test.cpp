@@ -1,4 +1,4 @@
-#include <filter_amls/project.h>
+#include "filter_amls/surface/project.h"
 
 #include <recon/errors.h>
 

@@ -1,4 +1,4 @@
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
 
 #include "tests/checks.h"
 #include "tests/missed_points.h"

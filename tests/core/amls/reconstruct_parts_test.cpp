@@ -1,5 +1,5 @@
 // Parts whose faces carry points on their rims or between round edges only.
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
 
 #include "tests/flat_shapes.h"
 #include "tests/shapes.h"

@@ -1,5 +1,5 @@
-#include <filter_amls/residual_field.h>
-#include <filter_amls/surface_data.h>
+#include "filter_amls/surface/residual_field.h"
+#include "filter_amls/surface/surface_data.h"
 
 #include "tests/shapes.h"
 

@@ -1,5 +1,5 @@
-#include "filter_amls/scattered_points.h"
-#include "filter_amls/surface_cells.h"
+#include "filter_amls/cells/scattered_points.h"
+#include "filter_amls/cells/surface_cells.h"
 
 #include "tests/shapes.h"
 

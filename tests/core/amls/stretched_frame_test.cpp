@@ -1,4 +1,4 @@
-#include <filter_amls/stretched_frame.h>
+#include "filter_amls/fits/stretched_frame.h"
 
 #include "tests/shapes.h"
 

@@ -1,4 +1,4 @@
-#include <filter_amls/thin.h>
+#include "filter_amls/cells/thin.h"
 
 #include "tests/shapes.h"
 

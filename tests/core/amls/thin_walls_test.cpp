@@ -1,6 +1,6 @@
-#include "filter_amls/sample_surface.h"
-#include "filter_amls/surface.h"
-#include "filter_amls/thin_walls.h"
+#include "filter_amls/mesh/thin_walls.h"
+#include "filter_amls/surface/sample_surface.h"
+#include "filter_amls/surface/surface.h"
 
 #include <recon/mesh/crust_mesh.h>
 #include <recon/search/spatial_order.h>

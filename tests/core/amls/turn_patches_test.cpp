@@ -1,4 +1,4 @@
-#include <filter_amls/turn_patches.h>
+#include "filter_amls/sides/turn_patches.h"
 
 #include <recon/search/spatial_order.h>
 #include <recon/triangulation/delaunay.h>

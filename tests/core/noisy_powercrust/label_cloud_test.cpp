@@ -1,4 +1,4 @@
-#include "filter_amls/reconstruct_amls.h"
+#include "filter_amls/mesh/reconstruct_amls.h"
 #include "filter_noisy_powercrust/label_cloud.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 

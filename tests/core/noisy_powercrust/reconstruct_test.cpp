@@ -1,6 +1,6 @@
 #include "filter_noisy_powercrust/reconstruct.h"
 
-#include "filter_amls/smooth_mesh.h"
+#include "filter_amls/mesh/smooth_mesh.h"
 
 #include "tests/checks.h"
 #include "tests/missed_points.h"

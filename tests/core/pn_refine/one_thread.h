@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filter_pn_refine/refine.h>
+#include "filter_pn_refine/refine.h"
 
 #include <cstddef>
 

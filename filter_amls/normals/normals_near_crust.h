@@ -1,8 +1,8 @@
 #pragma once
 
-#include "crust_normals.h"
-#include "label_points.h"
-#include "project.h"
+#include "filter_amls/mesh/label_points.h"
+#include "filter_amls/sides/crust_normals.h"
+#include "filter_amls/surface/project.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

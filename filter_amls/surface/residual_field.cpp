@@ -1,8 +1,8 @@
 #include "residual_field.h"
 
-#include "runs.h"
+#include "filter_amls/fits/runs.h"
+#include "filter_amls/fits/weighted_sums.h"
 #include "surface_data.h"
-#include "weighted_sums.h"
 
 #include <recon/parallel.h>
 #include <recon/scramble.h>

@@ -1,7 +1,7 @@
 #include "cell_sides.h"
 
-#include "runs.h"
-#include "weighted_sums.h"
+#include "filter_amls/fits/runs.h"
+#include "filter_amls/fits/weighted_sums.h"
 
 #include <recon/simd.h>
 

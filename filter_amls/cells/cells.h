@@ -1,6 +1,6 @@
 #pragma once
 
-#include "local_scales.h"
+#include "filter_amls/fits/local_scales.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

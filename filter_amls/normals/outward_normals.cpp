@@ -1,11 +1,12 @@
 #include "outward_normals.h"
 
-#include "crust_normals.h"
-#include "face_cameras.h"
-#include "label_points.h"
-#include "mesh_attempts.h"
+#include "filter_amls/mesh/label_points.h"
+#include "filter_amls/mesh/mesh_attempts.h"
+#include "filter_amls/sides/crust_normals.h"
+#include "filter_amls/sides/crust_of_points.h"
+#include "filter_amls/sides/face_cameras.h"
+#include "filter_amls/surface/project.h"
 #include "normals_near_crust.h"
-#include "project.h"
 
 #include <recon/errors.h>
 #include <recon/mesh/convex_surface.h>

@@ -1,6 +1,6 @@
 #include "orient.h"
 
-#include "feature_size.h"
+#include "filter_amls/paper/feature_size.h"
 #include "label_balls.h"
 #include "turn_patches.h"
 #include "turn_pieces.h"

@@ -1,7 +1,5 @@
 #include "crust_of_points.h"
 
-#include "label_points.h"
-
 #include <recon/errors.h>
 #include <recon/noise/cleanness.h>
 
@@ -20,6 +18,15 @@ constexpr double much_noise = 0.34, few_flat = 0.5;
 constexpr double bearable_votes = 0.06;
 
 } // namespace
+
+BallLabellingOptions options_for_labels(int threads)
+{
+    BallLabellingOptions options;
+    options.sharing = BallSharing::undisputed; // the crust goes through the samples
+    options.limit = BallLimit::fewest_votes;   // of exact points
+    options.threads = threads;
+    return options;
+}
 
 const CrustOfPoints::Made* CrustOfPoints::find(const Points& points, int threads, const Progress& progress)
 {

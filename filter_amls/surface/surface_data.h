@@ -1,8 +1,8 @@
 #pragma once
 
-#include "cells.h"
-#include "crust_of_points.h"
-#include "fit.h"
+#include "filter_amls/cells/cells.h"
+#include "filter_amls/fits/fit.h"
+#include "filter_amls/sides/crust_of_points.h"
 #include "residual_field.h"
 #include "surface.h"
 

@@ -1,6 +1,6 @@
 #include "smooth_mesh.h"
 
-#include "project.h"
+#include "filter_amls/surface/project.h"
 
 #include <Eigen/Geometry>
 

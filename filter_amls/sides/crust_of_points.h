@@ -11,6 +11,9 @@
 namespace recon
 {
 
+/// For labels of points as they are, or of denoised samples, through which the crust goes.
+BallLabellingOptions options_for_labels(int threads);
+
 /// The crust through points as they are, made when it is first asked for. Surfaces of the same points share it,
 /// whatever noise they assume, and so do labels of exact points.
 class CrustOfPoints

@@ -1,9 +1,9 @@
 #include "label_points.h"
 
-#include "isolated_points.h"
+#include "filter_amls/cells/isolated_points.h"
+#include "filter_amls/surface/sample_surface.h"
+#include "filter_amls/surface/surface_data.h"
 #include "open_sheets.h"
-#include "sample_surface.h"
-#include "surface_data.h"
 #include "thin_tubes.h"
 #include "thin_walls.h"
 
@@ -355,15 +355,6 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
 }
 
 } // namespace
-
-BallLabellingOptions options_for_labels(int threads)
-{
-    BallLabellingOptions options;
-    options.sharing = BallSharing::undisputed; // the crust goes through the samples
-    options.limit = BallLimit::fewest_votes;   // of exact points
-    options.threads = threads;
-    return options;
-}
 
 LabelledSamples label_points(const Points& points, const AmlsSurface& surface, bool may_be_exact,
                              const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)

@@ -1,9 +1,9 @@
 #include "project.h"
 
 #include "anchor_sums.h"
-#include "cells_across.h"
+#include "filter_amls/cells/cells_across.h"
+#include "filter_amls/fits/runs.h"
 #include "residual_field.h"
-#include "runs.h"
 #include "surface_data.h"
 
 #include <recon/errors.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "feature_size.h"
+#include "filter_amls/paper/feature_size.h"
 #include "surface.h"
 
 namespace recon

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cells.h"
 #include "crust_of_points.h"
+#include "filter_amls/cells/cells.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

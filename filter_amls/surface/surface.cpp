@@ -1,15 +1,15 @@
 #include "surface.h"
 
-#include "anchors.h"
-#include "cell_sides.h"
-#include "face_cameras.h"
-#include "feature_size.h"
-#include "orient.h"
-#include "robust_scale.h"
-#include "sides_of_thin_walls.h"
-#include "surface_cells.h"
+#include "filter_amls/cells/anchors.h"
+#include "filter_amls/cells/cell_sides.h"
+#include "filter_amls/cells/surface_cells.h"
+#include "filter_amls/fits/robust_scale.h"
+#include "filter_amls/paper/feature_size.h"
+#include "filter_amls/sides/face_cameras.h"
+#include "filter_amls/sides/orient.h"
+#include "filter_amls/sides/sides_of_thin_walls.h"
+#include "filter_amls/sides/turn_pieces.h"
 #include "surface_data.h"
-#include "turn_pieces.h"
 
 #include <recon/errors.h>
 #include <recon/median.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cells.h"
-#include "fit.h"
+#include "filter_amls/fits/fit.h"
 
 #include <recon/search/block_search.h>
 

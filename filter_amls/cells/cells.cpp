@@ -1,9 +1,9 @@
 #include "cells.h"
 
-#include "runs.h"
+#include "filter_amls/fits/runs.h"
+#include "filter_amls/fits/weighted_sums.h"
 #include "sparse_parts.h"
 #include "voxel_table.h"
-#include "weighted_sums.h"
 
 #include <recon/parallel.h>
 #include <recon/search/block_search.h>

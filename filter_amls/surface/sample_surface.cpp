@@ -1,8 +1,8 @@
 #include "sample_surface.h"
 
+#include "filter_amls/cells/thin.h"
 #include "project.h"
 #include "surface_data.h"
-#include "thin.h"
 
 #include <recon/parallel.h>
 

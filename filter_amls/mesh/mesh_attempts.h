@@ -1,8 +1,8 @@
 #pragma once
 
+#include "filter_amls/surface/surface.h"
 #include "label_points.h"
 #include "reconstruct_amls.h"
-#include "surface.h"
 
 #include <recon/crust/crust.h>
 #include <recon/geometry.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "surface.h"
+#include "filter_amls/surface/surface.h"
 
 #include <recon/geometry.h>
 #include <recon/labelling/labelled_balls.h>
@@ -28,9 +28,6 @@ struct LabelledSamples
     double least_roughness = 0;    ///< Of exact points without a ground, see Cleanness::least_roughness [spacings].
     bool is_settled = false;       ///< Whether no other labels are to be tried.
 };
-
-/// For labels of points as they are, or of denoised samples, through which the crust goes.
-BallLabellingOptions options_for_labels(int threads);
 
 /// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and
 /// that of the surface's samples does less; else samples of the surface. \param surface of the points, here and below.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "surface.h"
+#include "filter_amls/surface/surface.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

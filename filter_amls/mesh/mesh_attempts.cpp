@@ -1,8 +1,9 @@
 #include "mesh_attempts.h"
 
-#include "sample_surface.h"
+#include "filter_amls/sides/crust_of_points.h"
+#include "filter_amls/surface/sample_surface.h"
+#include "filter_amls/surface/surface_data.h"
 #include "smooth_mesh.h"
-#include "surface_data.h"
 
 #include <recon/bare_faces/bare_faces.h>
 #include <recon/crust/lids.h>
