@@ -225,7 +225,8 @@ AnchorStarts choose_starts(AmlsSurface::Data& data, std::vector<int> anchors, co
         }
         anchors = std::move(kept);
         widths = std::move(kept_widths);
-        const NeighbourSearch search(points_at(anchors, normals.feet));
+        const Points feet = points_at(anchors, normals.feet);
+        const NeighbourSearch search(feet);
         parallel_for(
             std::size_t(cells.size()), threads, {},
             [&](std::size_t c) { cells.scales[c].width = widths[search.nearest(normals.feet[c])]; }, 1024);

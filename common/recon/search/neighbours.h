@@ -15,6 +15,7 @@ class NeighbourSearch
 public:
     /// Keeps a reference to `points`; they must outlive this object. May be empty.
     explicit NeighbourSearch(const Points& points);
+    explicit NeighbourSearch(Points&& points) = delete;
     ~NeighbourSearch();
     NeighbourSearch(NeighbourSearch&&) noexcept;
     NeighbourSearch& operator=(NeighbourSearch&&) noexcept;

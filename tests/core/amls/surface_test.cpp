@@ -1,6 +1,7 @@
 #include "project_all.h"
 
 #include <recon/errors.h>
+#include <recon/median.h>
 
 #include "tests/checks.h"
 #include "tests/shapes.h"
@@ -251,6 +252,25 @@ TEST(AmlsSurface, WidthFollowsRhoE)
     EXPECT_NEAR(wide.width / narrow.width, 2, 0.2);
     // The feature size of a unit sphere is its radius.
     EXPECT_NEAR(wide.width, 0.8 / std::pow(2, 0.25), 0.12);
+}
+
+TEST(AmlsSurface, PointsAreProjectedOverTheWidthThatRhoEAsksFor)
+{
+    const double noise = 0.01;
+    const Points points = shapes::with_noise(shapes::sphere(8000, 1, 27).points, noise, 28);
+    for (const double rho_e : {0.2, 0.4, 0.75})
+    {
+        AmlsOptions options;
+        options.rho_e = rho_e;
+        const AmlsProjection moved = project_to_amls(points, build_amls_surface(points, options));
+        EXPECT_GT(moved.count(ProjectionStatus::converged), 0.999 * double(points.size())) << rho_e;
+        // Poles of a noisy unit sphere lie around its centre.
+        EXPECT_NEAR(median(moved.widths), rho_e / std::pow(2, 0.25), 0.2 * rho_e) << rho_e;
+        double squared = 0;
+        for (const Point& p : moved.points)
+            squared += std::pow(p.norm() - 1, 2);
+        EXPECT_LT(std::sqrt(squared / double(points.size())), 0.3 * noise) << rho_e;
+    }
 }
 
 TEST(AmlsSurface, OrientsTwoScansThatDisagreeAndHaveHoles)
