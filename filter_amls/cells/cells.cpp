@@ -124,6 +124,7 @@ void rescale_sparse_parts(Cells& cells, const BlockSearch& search, CellNormals& 
         {
             scale.density = std::min(scale.density, cells.counts[c] / (spacing * spacing));
             scale.width = std::max(scale.width, sparse_width * spacing);
+            cells.seeds[c] = -1;
             result.widening[c] = 1;
             fitter.fit({c, c + 1, cells.means[c], 0}, result);
         }
@@ -252,7 +253,8 @@ Cells average_cells(const Points& points, const LocalScales& scales, int threads
     for (std::size_t c = 0; c < first.size(); ++c)
     {
         cells.means.push_back(points[first[c]] + offsets[c] / cells.counts[c]);
-        cells.scales.push_back(scales.at_seed[seed[first[c]]]);
+        cells.seeds.push_back(seed[first[c]]);
+        cells.scales.push_back(scales.at_seed[cells.seeds[c]]);
     }
     return cells;
 }

@@ -18,6 +18,7 @@ struct Cells
     Points means;
     std::vector<double> counts;     ///< Points per cell.
     std::vector<LocalScale> scales; ///< Noise, density and width at each cell.
+    std::vector<int> seeds;         ///< Per cell: of the noise estimate, that whose scales it has; -1: its own.
     std::vector<int> cell_of_point; ///< Per point.
 
     int size() const { return int(means.size()); }

@@ -175,6 +175,7 @@ SurfaceCells make_surface_cells(const Points& points, const BlockSearch& search,
         cells.means.push_back(point);
         cells.counts.push_back(1);
         cells.scales.push_back(outlier.scale);
+        cells.seeds.push_back(-1);
         made.normals.normals.push_back(Vector::UnitZ());
         made.normals.feet.push_back(point);
         made.normals.mass.push_back(0);

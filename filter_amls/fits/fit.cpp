@@ -17,7 +17,6 @@ namespace recon
 namespace
 {
 
-constexpr double least_cosine = 0.35; // of the directions of samples that count with the normal to begin with
 /// Rounds of fitting. Where few good points decide, weights need rounds to find them; else more only add variance.
 constexpr int few_rounds = 2, many_rounds = 4, narrow_rounds = 2;
 constexpr double least_points = 12;  // effective points of a fit worth comparing
@@ -89,7 +88,7 @@ public:
         {
             const FitStart& start = starts_[a];
             around_.gather_facing(around_run_, beginning.position + beginning.fit.c[0] * start.normal, beginning.next,
-                                  later_stretch * fit_cut * start.width, start.normal, least_cosine);
+                                  later_stretch * fit_cut * start.width, start.normal, facing_cosine);
             anchors[a] = finish(start, beginning, fits[a]);
         }
     }
@@ -116,7 +115,7 @@ private:
     {
         const TangentFrame frame(start.normal);
         const Point position = start.foot - origin_;
-        around_.gather_facing(around_run_, position, frame, fit_cut * start.width, start.normal, least_cosine);
+        around_.gather_facing(around_run_, position, frame, fit_cut * start.width, start.normal, facing_cosine);
         const QuadricFit fit = fit_quadric(around_, position, frame, {start.width, fit_cut});
         return {position, frame, fit, fit.valid ? next_frame(fit, frame, start) : frame};
     }

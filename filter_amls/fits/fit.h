@@ -23,6 +23,8 @@ struct Anchor
 };
 
 constexpr double fit_cut = 2.4; ///< Samples farther than this from an anchor do not count [widths].
+/// Nor do those whose normals have less than this cosine with that of the anchor.
+constexpr double facing_cosine = 0.35;
 
 /// What quadrics are fitted to: the points themselves, since the mean of a cell no longer tells good ones from bad.
 struct FitSamples
@@ -30,7 +32,7 @@ struct FitSamples
     const Points& points; ///< In spatial order.
     const BlockSearch& search;
     std::vector<double> weights; ///< 0 for outliers.
-    Vectors normals;             ///< Oriented: points that face the other way do not count.
+    Vectors normals;             ///< Unit length, outward: points that face the other way do not count.
 };
 
 /// Place, plane and scales that the fit of an anchor begins with.

@@ -25,6 +25,7 @@ constexpr double rung = 1.27;            // ratio of widths; 1.6 times the point
 constexpr double fewest_points = 16;     // effective points at the narrowest width
 constexpr double narrowest_sigmas = 1.5; // below it the neighbourhood is thicker than wide
 constexpr double quadric_cut = 2.6;      // widths
+constexpr double least_clearance = 1.5;  // narrowest widths to what faces elsewhere, where that does not count
 constexpr double largest_step = 5;       // sigmas by which two heights differ at most
 constexpr int pooled_seeds = 25;
 constexpr double global_share = 0.3; // weight of the mean over all seeds alike beside the pooled ones
@@ -108,15 +109,21 @@ bool have_alike_noise(const LocalScale& a, const LocalScale& b)
 class RiskEstimator
 {
 public:
-    RiskEstimator(const Points& points, const BlockSearch& search) : points_(points), search_(search) {}
+    RiskEstimator(const Points& points, const BlockSearch& search, const FitSamples* sided)
+        : points_(points), search_(search), sided_(sided)
+    {
+    }
 
-    Risks estimate(const Point& seed, double sigma, double narrowest)
+    /// \param facing normal at the seed; counts if the samples have sides.
+    Risks estimate(const Point& seed, const Vector& facing, double sigma, double narrowest)
     {
         std::array<double, ladder> widths;
         for (int j = 0; j < ladder; ++j)
             widths[j] = narrowest * std::pow(rung, j);
         Risks risks{};
         search_.within(seed, quadric_cut * widths[ladder - 1] + 2 * sigma, found_);
+        if (sided_ != nullptr)
+            leave_out_others(seed, facing, narrowest);
         gathered_.gather(points_, {}, found_, seed);
 
         Point centre = Point::Zero();
@@ -163,6 +170,18 @@ public:
     }
 
 private:
+    /// Leaves what counts in a fit, unless others are so near that no window would see that the surface bends to them.
+    void leave_out_others(const Point& seed, const Vector& facing, double narrowest)
+    {
+        const auto is_other = [&](int i)
+        { return sided_->weights[i] == 0 || sided_->normals[i].dot(facing) <= facing_cosine; };
+        const double reach = least_clearance * narrowest;
+        const auto is_near_other = [&](int i)
+        { return (points_[i] - seed).squaredNorm() < reach * reach && is_other(i); };
+        if (std::none_of(found_.begin(), found_.end(), is_near_other))
+            found_.erase(std::remove_if(found_.begin(), found_.end(), is_other), found_.end());
+    }
+
     /// Coordinates in the frame, the points of the narrowest candidate first, those that each wider one adds after
     /// them.
     void sort_by_ring(const Point& centre, const TangentFrame& frame, const std::array<double, ladder>& widths)
@@ -224,6 +243,7 @@ private:
 
     const Points& points_;
     const BlockSearch& search_;
+    const FitSamples* sided_; ///< The points with their sides, if these are known.
     std::vector<int> found_;
     Gathered gathered_;
     std::vector<double> u_, v_, z_, l_, l0_;
@@ -285,10 +305,9 @@ double find_minimum(const Risks& risks)
     return bend > 0 ? j + std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : j;
 }
 
-} // namespace
-
-LocalScales choose_widths(const Points& points, const BlockSearch& search, const NoiseEstimate& noise, int threads,
-                          const Progress& progress)
+/// \param sided the points with their sides, and \param normals one per seed, or none of both.
+LocalScales choose_least_risk(const Points& points, const BlockSearch& search, const FitSamples* sided,
+                              const Vectors& normals, const NoiseEstimate& noise, int threads, const Progress& progress)
 {
     const int m = noise.size();
     LocalScales result{noise, std::vector<LocalScale>(m), 0};
@@ -317,11 +336,12 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
     parallel_chunks(asked.size(), threads, 16, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
-                        RiskEstimator estimator(points, search);
+                        RiskEstimator estimator(points, search, sided);
                         for (std::size_t i = begin; i < end; ++i)
                         {
                             const int s = asked_index[i];
-                            risks[i] = estimator.estimate(asked[i], result.at_seed[s].sigma, narrowest[s]);
+                            risks[i] = estimator.estimate(asked[i], sided ? normals[s] : Vector::Zero(),
+                                                          result.at_seed[s].sigma, narrowest[s]);
                         }
                     });
 
@@ -364,6 +384,20 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
     std::nth_element(distance.begin(), close, distance.end());
     result.seed_reach = seed_reach * *close;
     return result;
+}
+
+} // namespace
+
+LocalScales choose_widths(const Points& points, const BlockSearch& search, const NoiseEstimate& noise, int threads,
+                          const Progress& progress)
+{
+    return choose_least_risk(points, search, nullptr, {}, noise, threads, progress);
+}
+
+LocalScales choose_fit_widths(const FitSamples& samples, const Vectors& normals, const NoiseEstimate& noise,
+                              int threads, const Progress& progress)
+{
+    return choose_least_risk(samples.points, samples.search, &samples, normals, noise, threads, progress);
 }
 
 } // namespace recon

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "fit.h"
+
 #include <recon/geometry.h>
 #include <recon/noise/noise.h>
 #include <recon/progress.h>
@@ -35,5 +37,10 @@ struct LocalScales
 /// noise seeds, noise and density of these points. \param search of the points. \throws Cancelled.
 LocalScales choose_widths(const Points& points, const BlockSearch& search, const NoiseEstimate& noise, int threads,
                           const Progress& progress = {});
+
+/// The same once sides are known, of the samples that count in a fit: else the wall behind, and the face across an
+/// edge, pass for bends, which keeps widths narrow. \param normals outward, one per seed.
+LocalScales choose_fit_widths(const FitSamples& samples, const Vectors& normals, const NoiseEstimate& noise,
+                              int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -29,9 +29,10 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
 {
     threads = resolve_threads(threads);
     const AmlsProjection projected = project_as_samples(points, surface, threads, progress.part(0, 0.8, "projection"));
+    const AmlsSurface::Data& data = surface.data();
     SurfaceSamples result;
     // In spatial order, so that the choice does not depend on the order of the input.
-    for (const int i : surface.data().spatial.order)
+    for (const int i : data.spatial.order)
     {
         if (projected.status[i] == ProjectionStatus::outlier)
         {
@@ -50,7 +51,8 @@ SurfaceSamples sample_amls_surface(const Points& points, const AmlsSurface& surf
             const int i = result.claimed[k];
             kept.points[k] = projected.points[i];
             kept.normals[k] = projected.normals[i];
-            radii[k] = 0.4 * projected.widths[i];
+            const int point = data.spatial.representative[std::size_t(i)];
+            radii[k] = 0.4 * data.frame.scale() * data.sampling_widths[data.cells.cell_of_point[point]];
             const double spacings = radii[k] / projected.spacings[i];
             expected[k] = pi * spacings * spacings;
         },

@@ -27,7 +27,10 @@ struct AmlsSurface::Data
     Cells cells;
     BlockSearch cell_search;  ///< Of the cells' means.
     CellNormals cell_normals; ///< Normals outward.
-    Vectors cell_sides;       ///< The same after follow_anchors(): in which half space points look for the surface.
+    /// Per cell: those of the fits before sides were known, which heed walls behind and small things beside large
+    /// ones, or that rho_e asks for. Samples of the surface lie as densely as these tell.
+    std::vector<double> sampling_widths;
+    Vectors cell_sides; ///< The same after follow_anchors(): in which half space points look for the surface.
     std::vector<Anchor> anchors;
     Points anchor_positions;
     BlockSearch anchor_search;

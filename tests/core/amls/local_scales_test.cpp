@@ -85,3 +85,37 @@ TEST(LocalScales, NoisyPartsAreAsWideBesideCleanOnes)
     EXPECT_NEAR(ratio(0), 1, 0.15);
     EXPECT_NEAR(ratio(0.9), 1, 0.25); // a seventh; 0.59 if its rim is taken for cleaner
 }
+
+// Two sheets that face away from each other.
+TEST(LocalScales, TheOtherSideOfAWallIsNoBend)
+{
+    constexpr double apart = 6; // spacings
+    Points exact;
+    for (int i = 0; i < 60; ++i)
+        for (int j = 0; j < 60; ++j)
+            for (const double z : {0.0, apart})
+                exact.emplace_back(i, j, z);
+    const Points unsorted = shapes::with_noise(exact, 0.4, 7);
+    Points points;
+    Vectors normals;
+    for (const int i : order_spatially(unsorted).order)
+    {
+        points.push_back(unsorted[i] / 60);
+        normals.emplace_back(0, 0, exact[i].z() > 0 ? 1 : -1);
+    }
+    const BlockSearch search(points);
+    const FitSamples samples{points, search, std::vector<double>(points.size(), 1), normals};
+    const NoiseEstimate noise = estimate_noise(points, {});
+    Vectors facing;
+    for (const Point& seed : noise.seeds())
+        facing.push_back(normals[search.nearest(seed)]);
+    const auto median_width = [](const LocalScales& scales)
+    {
+        std::vector<double> widths;
+        for (const LocalScale& scale : scales.at_seed)
+            widths.push_back(scale.width);
+        return median(widths);
+    };
+    EXPECT_GT(median_width(choose_fit_widths(samples, facing, noise, 1)),
+              1.5 * median_width(choose_widths(points, search, noise, 1)));
+}
