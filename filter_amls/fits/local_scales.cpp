@@ -109,22 +109,20 @@ bool have_alike_noise(const LocalScale& a, const LocalScale& b)
 class RiskEstimator
 {
 public:
-    RiskEstimator(const Points& points, const BlockSearch& search, const FitSamples* sided)
-        : points_(points), search_(search), sided_(sided)
-    {
-    }
+    /// \param samples with sides, or without weights and normals.
+    explicit RiskEstimator(const FitSamples& samples) : samples_(samples) {}
 
-    /// \param facing normal at the seed; counts if the samples have sides.
+    /// \param facing normal at the seed; not used if the samples have no sides.
     Risks estimate(const Point& seed, const Vector& facing, double sigma, double narrowest)
     {
         std::array<double, ladder> widths;
         for (int j = 0; j < ladder; ++j)
             widths[j] = narrowest * std::pow(rung, j);
         Risks risks{};
-        search_.within(seed, quadric_cut * widths[ladder - 1] + 2 * sigma, found_);
-        if (sided_ != nullptr)
+        samples_.search.within(seed, quadric_cut * widths[ladder - 1] + 2 * sigma, found_);
+        if (!samples_.normals.empty())
             leave_out_others(seed, facing, narrowest);
-        gathered_.gather(points_, {}, found_, seed);
+        gathered_.gather(samples_.points, {}, found_, seed);
 
         Point centre = Point::Zero();
         Vector normal = Vector::UnitZ();
@@ -174,10 +172,10 @@ private:
     void leave_out_others(const Point& seed, const Vector& facing, double narrowest)
     {
         const auto is_other = [&](int i)
-        { return sided_->weights[i] == 0 || sided_->normals[i].dot(facing) <= facing_cosine; };
+        { return samples_.weights[i] == 0 || samples_.normals[i].dot(facing) <= facing_cosine; };
         const double reach = least_clearance * narrowest;
         const auto is_near_other = [&](int i)
-        { return (points_[i] - seed).squaredNorm() < reach * reach && is_other(i); };
+        { return (samples_.points[i] - seed).squaredNorm() < reach * reach && is_other(i); };
         if (std::none_of(found_.begin(), found_.end(), is_near_other))
             found_.erase(std::remove_if(found_.begin(), found_.end(), is_other), found_.end());
     }
@@ -241,9 +239,7 @@ private:
         return std::isfinite(sums[0]) && std::isfinite(sums[1]);
     }
 
-    const Points& points_;
-    const BlockSearch& search_;
-    const FitSamples* sided_; ///< The points with their sides, if these are known.
+    const FitSamples& samples_;
     std::vector<int> found_;
     Gathered gathered_;
     std::vector<double> u_, v_, z_, l_, l0_;
@@ -305,9 +301,9 @@ double find_minimum(const Risks& risks)
     return bend > 0 ? j + std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : j;
 }
 
-/// \param sided the points with their sides, and \param normals one per seed, or none of both.
-LocalScales choose_least_risk(const Points& points, const BlockSearch& search, const FitSamples* sided,
-                              const Vectors& normals, const NoiseEstimate& noise, int threads, const Progress& progress)
+/// \param facing normals, one per seed; empty if the samples have no sides.
+LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, const NoiseEstimate& noise, int threads,
+                              const Progress& progress)
 {
     const int m = noise.size();
     LocalScales result{noise, std::vector<LocalScale>(m), 0};
@@ -336,11 +332,11 @@ LocalScales choose_least_risk(const Points& points, const BlockSearch& search, c
     parallel_chunks(asked.size(), threads, 16, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
-                        RiskEstimator estimator(points, search, sided);
+                        RiskEstimator estimator(samples);
                         for (std::size_t i = begin; i < end; ++i)
                         {
                             const int s = asked_index[i];
-                            risks[i] = estimator.estimate(asked[i], sided ? normals[s] : Vector::Zero(),
+                            risks[i] = estimator.estimate(asked[i], facing.empty() ? Vector::Zero() : facing[s],
                                                           result.at_seed[s].sigma, narrowest[s]);
                         }
                     });
@@ -391,13 +387,13 @@ LocalScales choose_least_risk(const Points& points, const BlockSearch& search, c
 LocalScales choose_widths(const Points& points, const BlockSearch& search, const NoiseEstimate& noise, int threads,
                           const Progress& progress)
 {
-    return choose_least_risk(points, search, nullptr, {}, noise, threads, progress);
+    return choose_least_risk({points, search, {}, {}}, {}, noise, threads, progress);
 }
 
 LocalScales choose_fit_widths(const FitSamples& samples, const Vectors& normals, const NoiseEstimate& noise,
                               int threads, const Progress& progress)
 {
-    return choose_least_risk(samples.points, samples.search, &samples, normals, noise, threads, progress);
+    return choose_least_risk(samples, normals, noise, threads, progress);
 }
 
 } // namespace recon

@@ -7,6 +7,7 @@
 #include <recon/search/neighbours.h>
 #include <recon/search/spatial_order.h>
 #include <recon/triangulation/delaunay.h>
+#include <recon/triangulation/polar_balls.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,6 @@ constexpr int paper_neighbours = 5;
 /// Balls between noisy points reach farther than those between exact ones, or, where there is more noise than spacing,
 /// as far as the noise.
 constexpr double automatic_sigmas = 4;
-constexpr double box_half_width = 2.5; // diagonals
 constexpr double deep_cosine = 0.7071; // intersection angle above 3/4 pi
 constexpr double widest_pole = 1;      // diagonals
 
@@ -80,10 +80,7 @@ Balls find_balls(const Points& points, const std::vector<double>& threshold, int
 {
     const int n = int(points.size());
     Points with_box = points;
-    for (int corner = 0; corner < 8; ++corner)
-        with_box.emplace_back(corner & 1 ? box_half_width : -box_half_width,
-                              corner & 2 ? box_half_width : -box_half_width,
-                              corner & 4 ? box_half_width : -box_half_width);
+    append_box_corners(with_box);
     Balls balls;
     balls.delaunay = triangulate_delaunay(with_box, progress, threads);
     const Triangulation& t = balls.delaunay;

@@ -6,6 +6,7 @@
 #include <recon/search/neighbours.h>
 #include <recon/search/spatial_order.h>
 #include <recon/triangulation/delaunay.h>
+#include <recon/triangulation/polar_balls.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,6 @@ namespace recon
 namespace
 {
 
-constexpr double box_half_width = 2.5;   // diagonals
 constexpr double least_spacings = 2;     // radius; smaller balls are gaps between the points
 constexpr double least_cosine = 0.8;     // between the direction to the pole and the normal
 constexpr double least_separation = 0.5; // largest distance of the touched points [radius]
@@ -43,10 +43,7 @@ PolarCells find_polar_cells(const Points& points, const Vectors& normals, int th
 {
     const int n = int(points.size());
     Points with_box = points;
-    for (int corner = 0; corner < 8; ++corner)
-        with_box.emplace_back(corner & 1 ? box_half_width : -box_half_width,
-                              corner & 2 ? box_half_width : -box_half_width,
-                              corner & 4 ? box_half_width : -box_half_width);
+    append_box_corners(with_box);
     PolarCells result;
     result.delaunay = triangulate_delaunay(with_box, progress, threads);
     const Triangulation& t = result.delaunay;

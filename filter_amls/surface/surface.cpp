@@ -18,6 +18,7 @@
 #include <recon/scan/depth_image.h>
 #include <recon/scan/viewpoint.h>
 #include <recon/search/block_search.h>
+#include <recon/search/nearest_samples.h>
 #include <recon/search/neighbours.h>
 #include <recon/search/spatial_order.h>
 
@@ -189,9 +190,9 @@ void follow_fit_widths(AmlsSurface::Data& data, const FitSamples& samples, const
     Cells& cells = data.cells;
     if (noise.least_noise() < noisy)
         return;
-    Vectors facing;
-    for (const Point& seed : noise.seeds())
-        facing.push_back(data.cell_normals.normals[data.cell_search.nearest(seed)]);
+    const std::vector<int> cell_of_seed =
+        find_nearest_samples(noise.seeds(), cells.means, data.cell_search, threads).sample;
+    const Vectors facing = points_at(cell_of_seed, data.cell_normals.normals);
     const LocalScales scales = choose_fit_widths(samples, facing, noise, threads, progress);
     for (int c = 0; c < cells.size(); ++c)
         if (cells.seeds[c] >= 0)
