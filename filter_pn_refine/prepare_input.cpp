@@ -1,13 +1,13 @@
 #include "prepare_input.h"
 
-#include "crease_detection.h"
-#include "fold_samples.h"
-#include "hole_filling.h"
-#include "normal_noise.h"
-#include "normal_repair.h"
-#include "sample_surface.h"
-#include "spacing.h"
-#include "void_samples.h"
+#include "filter_pn_refine/additions/fold_samples.h"
+#include "filter_pn_refine/additions/hole_filling.h"
+#include "filter_pn_refine/additions/void_samples.h"
+#include "filter_pn_refine/creases/crease_detection.h"
+#include "filter_pn_refine/samples/normal_noise.h"
+#include "filter_pn_refine/samples/normal_repair.h"
+#include "filter_pn_refine/step/sample_surface.h"
+#include "filter_pn_refine/step/spacing.h"
 
 #include <recon/errors.h>
 

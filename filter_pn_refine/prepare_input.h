@@ -1,9 +1,9 @@
 #pragma once
 
-#include "initial_fans.h"
-#include "mouths.h"
+#include "filter_pn_refine/creases/mouths.h"
+#include "filter_pn_refine/samples/usable_samples.h"
+#include "filter_pn_refine/step/initial_fans.h"
 #include "refine.h"
-#include "usable_samples.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

@@ -1,11 +1,11 @@
 #include "refine.h"
 
-#include "crease_sides.h"
+#include "filter_pn_refine/step/crease_sides.h"
+#include "filter_pn_refine/step/radius_summary.h"
+#include "filter_pn_refine/step/refine_leaf.h"
+#include "filter_pn_refine/step/sample_surface.h"
+#include "filter_pn_refine/step/segments.h"
 #include "prepare_input.h"
-#include "radius_summary.h"
-#include "refine_leaf.h"
-#include "sample_surface.h"
-#include "segments.h"
 
 #include <recon/errors.h>
 #include <recon/parallel.h>

@@ -1,9 +1,9 @@
 #include "sharpen_normals.h"
 
-#include "crease_detection.h"
+#include "filter_pn_refine/creases/crease_detection.h"
+#include "filter_pn_refine/samples/usable_samples.h"
+#include "filter_pn_refine/step/spacing.h"
 #include "prepare_input.h"
-#include "spacing.h"
-#include "usable_samples.h"
 
 #include <recon/parallel.h>
 

@@ -1,4 +1,4 @@
-#include "filter_pn_refine/level.h"
+#include "filter_pn_refine/step/level.h"
 
 #include <gtest/gtest.h>
 

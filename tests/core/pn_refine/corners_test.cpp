@@ -1,7 +1,7 @@
 #include "crease_shapes.h"
 #include "one_thread.h"
 
-#include "filter_pn_refine/crease_sides.h"
+#include "filter_pn_refine/step/crease_sides.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 #include "one_thread.h"
 
-#include "filter_pn_refine/hermite_surface.h"
-#include "filter_pn_refine/normal_noise.h"
+#include "filter_pn_refine/patch/hermite_surface.h"
 #include "filter_pn_refine/refine.h"
-#include "filter_pn_refine/usable_samples.h"
+#include "filter_pn_refine/samples/normal_noise.h"
+#include "filter_pn_refine/samples/usable_samples.h"
 
 #include "tests/shapes.h"
 

@@ -1,9 +1,9 @@
 #include "crease_shapes.h"
 #include "one_thread.h"
 
-#include "filter_pn_refine/mouths.h"
+#include "filter_pn_refine/creases/mouths.h"
 #include "filter_pn_refine/refine.h"
-#include "filter_pn_refine/spacing.h"
+#include "filter_pn_refine/step/spacing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "filter_pn_refine/pn_triangle.h"
+#include "filter_pn_refine/patch/pn_triangle.h"
 
-#include "filter_pn_refine/kernels.h"
+#include "filter_pn_refine/step/kernels.h"
 
 #include "tests/shapes.h"
 

@@ -1,6 +1,6 @@
-#include "filter_pn_refine/initial_fans.h"
-#include "filter_pn_refine/kernels.h"
-#include "filter_pn_refine/usable_samples.h"
+#include "filter_pn_refine/samples/usable_samples.h"
+#include "filter_pn_refine/step/initial_fans.h"
+#include "filter_pn_refine/step/kernels.h"
 
 #include "tests/shapes.h"
 

@@ -1,8 +1,8 @@
 #include "void_samples.h"
 
-#include "local_rules.h"
-#include "pn_triangle.h"
-#include "sample_surface.h"
+#include "filter_pn_refine/patch/pn_triangle.h"
+#include "filter_pn_refine/step/local_rules.h"
+#include "filter_pn_refine/step/sample_surface.h"
 
 #include <recon/disjoint_sets.h>
 #include <recon/parallel.h>

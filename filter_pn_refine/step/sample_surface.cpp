@@ -1,6 +1,6 @@
 #include "sample_surface.h"
 
-#include "hermite_surface.h"
+#include "filter_pn_refine/patch/hermite_surface.h"
 
 namespace recon::pn
 {

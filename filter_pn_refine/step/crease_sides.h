@@ -1,7 +1,7 @@
 #pragma once
 
 #include "face_sector.h"
-#include "usable_samples.h"
+#include "filter_pn_refine/samples/usable_samples.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "usable_samples.h"
+#include "filter_pn_refine/samples/usable_samples.h"
 
 #include <recon/search/neighbours.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "filter_pn_refine/creases/mouths.h"
 #include "level.h"
 #include "local_rules.h"
-#include "mouths.h"
 
 namespace recon::pn
 {

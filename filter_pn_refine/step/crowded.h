@@ -1,8 +1,8 @@
 #pragma once
 
+#include "filter_pn_refine/creases/mouths.h"
 #include "level.h"
 #include "local_points.h"
-#include "mouths.h"
 
 /// What rings need seldom: where points crowd, and near creases.
 namespace recon::pn

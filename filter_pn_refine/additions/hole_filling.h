@@ -1,8 +1,8 @@
 #pragma once
 
-#include "added_samples.h"
-#include "initial_fans.h"
-#include "usable_samples.h"
+#include "filter_pn_refine/samples/added_samples.h"
+#include "filter_pn_refine/samples/usable_samples.h"
+#include "filter_pn_refine/step/initial_fans.h"
 
 #include <recon/progress.h>
 

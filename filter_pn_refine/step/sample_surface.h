@@ -1,7 +1,7 @@
 #pragma once
 
+#include "filter_pn_refine/samples/usable_samples.h"
 #include "level.h"
-#include "usable_samples.h"
 
 namespace recon::pn
 {

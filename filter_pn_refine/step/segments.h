@@ -1,8 +1,8 @@
 #pragma once
 
+#include "filter_pn_refine/samples/usable_samples.h"
 #include "initial_fans.h"
 #include "level.h"
-#include "usable_samples.h"
 
 #include <array>
 #include <cstdint>

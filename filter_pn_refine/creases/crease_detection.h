@@ -1,7 +1,7 @@
 #pragma once
 
-#include "added_samples.h"
-#include "usable_samples.h"
+#include "filter_pn_refine/samples/added_samples.h"
+#include "filter_pn_refine/samples/usable_samples.h"
 
 #include <recon/progress.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nearest_table.h"
+#include "filter_pn_refine/samples/nearest_table.h"
 
 #include <recon/geometry.h>
 

@@ -27,7 +27,7 @@ namespace recon::pn
 #define PN_INSTRUCTIONS 0
 namespace portable
 {
-#include "inner_loops.h"
+#include "filter_pn_refine/loops/inner_loops.h"
 PN_TABLE("portable");
 } // namespace portable
 #undef PN_INSTRUCTIONS
@@ -40,7 +40,7 @@ PN_TABLE("portable");
 #define PN_INSTRUCTIONS 3
 namespace v3
 {
-#include "inner_loops.h"
+#include "filter_pn_refine/loops/inner_loops.h"
 PN_TABLE("x86-64-v3");
 } // namespace v3
 #undef PN_INSTRUCTIONS
@@ -51,7 +51,7 @@ PN_TABLE("x86-64-v3");
 #define PN_INSTRUCTIONS 4
 namespace v4
 {
-#include "inner_loops.h"
+#include "filter_pn_refine/loops/inner_loops.h"
 PN_TABLE("x86-64-v4");
 } // namespace v4
 #undef PN_INSTRUCTIONS

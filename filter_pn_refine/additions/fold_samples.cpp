@@ -1,6 +1,6 @@
 #include "fold_samples.h"
 
-#include "hermite_surface.h"
+#include "filter_pn_refine/patch/hermite_surface.h"
 
 #include <recon/labelling/widest_turn.h>
 #include <recon/parallel.h>
