@@ -171,11 +171,15 @@ public:
         if (attempts_.options.denoise == Denoise::off)
             return found;
         const PreparedSamples& doubted = found.cloud;
+        const bool are_plain = doubted.denoised && doubted.given_noise == attempts_.options.noise &&
+                               found.completed == 0 && found.backs == 0 && !found.opened;
         std::optional<PreparedSamples> cloud;
         const auto list_samples = [&]
         {
             const Denoise denoise = doubted.denoised ? Denoise::on : attempts_.options.denoise;
-            cloud = attempts_.prepare(denoise, attempts_.options.noise, progress.part(0, 0.4, "preparation"));
+            cloud = are_plain
+                        ? doubted
+                        : attempts_.prepare(denoise, attempts_.options.noise, progress.part(0, 0.4, "preparation"));
             if (cloud->denoised)
                 return SamplesOfFaces{{cloud->samples, cloud->normals}, is_open_sheet(*cloud->surface)};
             Vectors normals = attempts_.list_clean_normals(*cloud, progress.part(0.4, 0.5, "normals"));
@@ -184,10 +188,10 @@ public:
         };
         std::optional<LabelledBareFaces> faces = label_with_bare_faces(
             doubted.distinct.size(), found.labelled.violated_votes, list_samples,
-            [&](const Points& samples, const Vectors& normals)
+            [&](const Points& samples, const Vectors& normals, double most_violated)
             {
-                return label_polar_balls(samples, normals, attempts_.usual_options_for(*cloud), attempts_.times,
-                                         progress.part(0.6, 1, "polar balls"));
+                return label_polar_balls(samples, normals, attempts_.usual_options_for(*cloud).within(most_violated),
+                                         attempts_.times, progress.part(0.6, 1, "polar balls"));
             },
             attempts_.times, attempts_.threads(), progress.part(0.5, 0.6));
         if (!faces)

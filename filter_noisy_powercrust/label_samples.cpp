@@ -26,9 +26,7 @@ void complete_exact(LabelledCloud& found, const BallLabellingOptions& labelling,
     PreparedSamples& cloud = found.cloud;
     std::optional<LabelledFlats> flats = label_with_flats(
         cloud.samples, [&] { return cloud.complete(times, labelling.threads, progress.part(0, 0.1, "flat faces")); },
-        found.labelled.violated_votes,
-        [&](const Points& samples)
-        { return label_polar_balls(samples, {}, labelling, times, progress.part(0.1, 1, "polar balls")); });
+        found.labelled.violated_votes, label_within(labelling, times, progress.part(0.1, 1, "polar balls")));
     if (flats)
         take_samples(found, std::move(*flats));
 }
@@ -41,9 +39,7 @@ void complete_denoised(LabelledCloud& found, const BallLabellingOptions& labelli
     const DenoisedCloud denoised{cloud.distinct, cloud.noise / cloud.frame.scale(), cloud.samples, cloud.normals};
     std::optional<LabelledNoisyFlats> flats = label_with_noisy_flats(
         denoised, found.labelled, labelling.noise_taken,
-        [&](const Points& samples, const Vectors& normals)
-        { return label_polar_balls(samples, normals, labelling, times, progress.part(0, 1, "polar balls")); },
-        found.polygons, times, labelling.threads);
+        label_within(labelling, times, progress.part(0, 1, "polar balls")), found.polygons, times, labelling.threads);
     if (!flats)
         return;
     cloud.normals = std::move(flats->normals);

@@ -119,6 +119,7 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
         result.is_noisy = is_doubted && result.complete(times, threads, progress.part(0, 0.1)).points.empty();
         result.is_doubtful = result.is_noisy && is_clean && cleanness.is_doubtful();
     }
+    result.given_noise = options.noise;
     result.noise = options.noise > 0 ? options.noise : cleanness.noise * result.frame.scale();
     result.denoised = options.denoise == Denoise::on || (options.denoise == Denoise::automatic && result.is_noisy);
 

@@ -70,7 +70,8 @@ struct PreparedSamples
     std::optional<FlatCompletion> completion; ///< Of these, once sought; not among the samples.
     /// Seeks them, unless that was done. \throws Cancelled.
     const FlatCompletion& complete(PhaseTimes& times, int threads, const Progress& progress = {});
-    double noise = 0; ///< Standard deviation, given or estimated [input units].
+    double noise = 0;       ///< Standard deviation, given or estimated [input units].
+    double given_noise = 0; ///< As it was given; 0 if it was estimated.
 };
 
 /// Sorts the points, tells whether they are noisy, and if so projects them onto their AMLS surface and thins them.

@@ -90,9 +90,7 @@ void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_op
     Points samples = found.samples;
     Vectors all_normals = normals;
     const int backs = back_sheets(lost, samples, all_normals, labelling.threads);
-    BallLabellingOptions fewer = labelling;
-    if (!has_ground)
-        fewer.most_violated = clearly_backed * violated;
+    const BallLabellingOptions fewer = has_ground ? labelling : labelling.within(clearly_backed * violated);
     LabelledBalls backed = label_polar_balls(samples, all_normals, fewer, times, progress);
     if (backed.violated_votes > fewer.most_violated)
         return back_some();
@@ -108,10 +106,8 @@ void complete_flats(LabelledSamples& found, const Points& points, const AmlsSurf
     const DenoisedCloud cloud{distinct, noise, found.samples, found.normals};
     std::optional<CrustPolygons> polygons;
     std::optional<LabelledNoisyFlats> flats = label_with_noisy_flats(
-        cloud, found.labelled, noise,
-        [&](const Points& samples, const Vectors& normals)
-        { return label_polar_balls(samples, normals, labelling, times, progress.part(0, 1, "polar balls")); },
-        polygons, times, labelling.threads);
+        cloud, found.labelled, noise, label_within(labelling, times, progress.part(0, 1, "polar balls")), polygons,
+        times, labelling.threads);
     if (!flats)
         return;
     found.samples = std::move(flats->samples);
@@ -227,10 +223,9 @@ std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_a
     // Else such faces are what says that the points are exact, and plain labels are of no other use.
     if (!are_exact && complete().points.empty())
         return {};
-    const auto label = [&](const Points& samples)
-    { return label_polar_balls(samples, {}, labelling, times, progress.part(0.2, 1, "polar balls")); };
     std::optional<LabelledFlats> found =
-        label_with_flats(as_they_are.distinct, complete, label_plain().violated_votes, label);
+        label_with_flats(as_they_are.distinct, complete, label_plain().violated_votes,
+                         label_within(labelling, times, progress.part(0.2, 1, "polar balls")));
     if (!found)
         return {};
     LabelledSamples result{as_they_are.frame, std::move(found->samples), std::move(found->labelled),

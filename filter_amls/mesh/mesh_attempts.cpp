@@ -277,14 +277,10 @@ bool complete_bare_faces(MeshAttempt& attempt, const AmlsSurface& surface, const
         Vectors normals = list_surface_normals(in_place, surface, threads, progress.part(0, 0.3, "normals"));
         return SamplesOfFaces{{std::move(samples), std::move(normals)}, is_sheet};
     };
-    std::optional<LabelledBareFaces> faces = label_with_bare_faces(
-        surface.data().spatial.order.size(), found.labelled.violated_votes, list_samples,
-        [&](const Points& samples, const Vectors& normals)
-        {
-            return label_polar_balls(samples, normals, options_for_labels(threads), times,
-                                     progress.part(0.4, 0.8, "polar balls"));
-        },
-        times, threads, progress.part(0.3, 0.4));
+    std::optional<LabelledBareFaces> faces =
+        label_with_bare_faces(surface.data().spatial.order.size(), found.labelled.violated_votes, list_samples,
+                              label_within(options_for_labels(threads), times, progress.part(0.4, 0.8, "polar balls")),
+                              times, threads, progress.part(0.3, 0.4));
     if (!faces)
         return false;
     attempt.surface = surface;

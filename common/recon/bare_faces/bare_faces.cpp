@@ -277,10 +277,10 @@ BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, int thr
     return result;
 }
 
-std::optional<LabelledBareFaces>
-label_with_bare_faces(std::size_t points, double violated, const std::function<SamplesOfFaces()>& list_samples,
-                      const std::function<LabelledBalls(const Points&, const Vectors&)>& label, PhaseTimes& times,
-                      int threads, const Progress& progress)
+std::optional<LabelledBareFaces> label_with_bare_faces(std::size_t points, double violated,
+                                                       const std::function<SamplesOfFaces()>& list_samples,
+                                                       const LabelWithin& label, PhaseTimes& times, int threads,
+                                                       const Progress& progress)
 {
     if (violated <= objecting || points > most_points)
         return {};
@@ -293,8 +293,9 @@ label_with_bare_faces(std::size_t points, double violated, const std::function<S
             return {};
         all.points.insert(all.points.end(), faces.points.begin(), faces.points.end());
         all.normals.insert(all.normals.end(), faces.normals.begin(), faces.normals.end());
-        LabelledBalls labelled = label(all.points, all.normals);
-        if (labelled.violated_votes > clearly_fewer * violated)
+        const double bearable_votes = clearly_fewer * violated;
+        LabelledBalls labelled = label(all.points, all.normals, bearable_votes);
+        if (labelled.violated_votes > bearable_votes)
             return {};
         return LabelledBareFaces{std::move(all.points), std::move(all.normals), std::move(labelled),
                                  int(faces.points.size())};

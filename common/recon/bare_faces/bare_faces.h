@@ -54,9 +54,9 @@ struct LabelledBareFaces
 /// points of the cloud, 200,000 at most [count]. \param violated share of votes that its labels violate. \param
 /// list_samples asked only if they may be needed; it may throw AlgorithmFailure, and so may `label`: then there are
 /// none. \throws Cancelled.
-std::optional<LabelledBareFaces>
-label_with_bare_faces(std::size_t points, double violated, const std::function<SamplesOfFaces()>& list_samples,
-                      const std::function<LabelledBalls(const Points& samples, const Vectors& normals)>& label,
-                      PhaseTimes& times, int threads, const Progress& progress = {});
+std::optional<LabelledBareFaces> label_with_bare_faces(std::size_t points, double violated,
+                                                       const std::function<SamplesOfFaces()>& list_samples,
+                                                       const LabelWithin& label, PhaseTimes& times, int threads,
+                                                       const Progress& progress = {});
 
 } // namespace recon

@@ -20,7 +20,7 @@ constexpr double calm_votes = 0.004;
 } // namespace
 
 std::optional<LabelledFlats> label_with_flats(const Points& samples, const std::function<FlatCompletion()>& complete,
-                                              double violated, const std::function<LabelledBalls(const Points&)>& label)
+                                              double violated, const LabelWithin& label)
 {
     if (violated <= calm_votes)
         return {};
@@ -33,7 +33,7 @@ std::optional<LabelledFlats> label_with_flats(const Points& samples, const std::
             return;
         Points all = samples;
         all.insert(all.end(), added.begin(), added.end());
-        LabelledBalls labelled = label(all);
+        LabelledBalls labelled = label(all, {}, bearable);
         if (labelled.violated_votes <= bearable)
             best = LabelledFlats{std::move(all), std::move(labelled), int(added.size())};
     };

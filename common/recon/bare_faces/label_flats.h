@@ -26,7 +26,6 @@ struct LabelledFlats
 /// too. None if votes are for neither, or if so few are violated without that no face can be missing.
 /// \param complete asked only if one can. \param violated share of votes that the labels without these violate.
 std::optional<LabelledFlats> label_with_flats(const Points& samples, const std::function<FlatCompletion()>& complete,
-                                              double violated,
-                                              const std::function<LabelledBalls(const Points&)>& label);
+                                              double violated, const LabelWithin& label);
 
 } // namespace recon

@@ -65,8 +65,6 @@ struct JudgedFlats
     }
 };
 
-using Label = std::function<LabelledBalls(const Points&, const Vectors&)>;
-
 /// Faces of a cloud in slabs, each sought once.
 class FacesInSlabs
 {
@@ -95,7 +93,8 @@ private:
 
 /// With samples on bare flat faces in the place of those around their rims. None if there are none.
 std::optional<LabelledNoisyFlats> complete(const DenoisedCloud& cloud, const Slabs& slabs, FacesInSlabs& faces,
-                                           const Label& label, PhaseTimes& times, int threads)
+                                           const LabelWithin& label, double bearable_votes, PhaseTimes& times,
+                                           int threads)
 {
     times.begin("flat faces");
     const NoisyFlatCompletion flats = complete_noisy_flats(cloud.points, slabs.noise * cloud.noise, faces.list(slabs),
@@ -112,7 +111,7 @@ std::optional<LabelledNoisyFlats> complete(const DenoisedCloud& cloud, const Sla
         }
     samples.insert(samples.end(), flats.points.begin(), flats.points.end());
     normals.insert(normals.end(), flats.normals.begin(), flats.normals.end());
-    LabelledBalls labelled = label(samples, normals);
+    LabelledBalls labelled = label(samples, normals, bearable_votes);
     return LabelledNoisyFlats{std::move(samples), std::move(normals), std::move(labelled), int(flats.points.size())};
 }
 
@@ -151,7 +150,7 @@ bool lie_along_lines(const Points& points, const BlockSearch& search)
 }
 
 std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cloud, const LabelledBalls& plain,
-                                                         double most_noise, const Label& label,
+                                                         double most_noise, const LabelWithin& label,
                                                          std::optional<CrustPolygons>& polygons, PhaseTimes& times,
                                                          int threads)
 {
@@ -171,21 +170,21 @@ std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cl
     };
     if (violated <= calm_votes_of_whole && !is_bare())
         return {};
-    std::optional<bool> sparse;
-    const auto may_be_sparse = [&]
+    std::optional<bool> lines;
+    const auto has_lines = [&]
     {
-        if (!sparse)
-            sparse =
-                violated > votes_for_last_slabs && lie_along_lines(cloud.points, BlockSearch(cloud.points, threads));
-        return *sparse;
+        if (!lines)
+            lines = lie_along_lines(cloud.points, BlockSearch(cloud.points, threads));
+        return *lines;
     };
+    const double bearable_votes = clearly_fewer_with_flats * violated;
     FacesInSlabs faces(cloud, threads);
     std::optional<JudgedFlats> best;
     for (const Slabs& slabs : slabs_in_turn)
     {
-        if (slabs.leaning == Leaning::beyond_chance && !may_be_sparse())
+        if (slabs.leaning == Leaning::beyond_chance && (violated <= votes_for_last_slabs || !has_lines()))
             break;
-        std::optional<LabelledNoisyFlats> flats = complete(cloud, slabs, faces, label, times, threads);
+        std::optional<LabelledNoisyFlats> flats = complete(cloud, slabs, faces, label, bearable_votes, times, threads);
         if (!flats)
         {
             // Few clouds have any; what several slabs do not show one of them does not.
@@ -198,7 +197,7 @@ std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cl
         // are no better in other slabs.
         if (!best && now > violated && flats->added < int(cloud.samples.size()))
             break;
-        if (now <= clearly_fewer_with_flats * violated)
+        if (now <= bearable_votes)
         {
             times.begin("mismatch");
             JudgedFlats judged = judge(std::move(*flats), cloud, most_noise, threads);

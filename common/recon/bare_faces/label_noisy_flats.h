@@ -39,10 +39,10 @@ bool lie_along_lines(const Points& points, const BlockSearch& search);
 /// none, or votes are not clearly for them; not sought where hardly any vote objects to the labels without, or few do
 /// and their crust is bare nowhere. \param plain those labels. \param most_noise that was assumed so far, > 0 [units of
 /// the frame]. \param polygons gets those of the plain crust, if it had to be asked. \throws Cancelled.
-std::optional<LabelledNoisyFlats>
-label_with_noisy_flats(const DenoisedCloud& cloud, const LabelledBalls& plain, double most_noise,
-                       const std::function<LabelledBalls(const Points& samples, const Vectors& normals)>& label,
-                       std::optional<CrustPolygons>& polygons, PhaseTimes& times, int threads);
+std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cloud, const LabelledBalls& plain,
+                                                         double most_noise, const LabelWithin& label,
+                                                         std::optional<CrustPolygons>& polygons, PhaseTimes& times,
+                                                         int threads);
 
 /// Share of a crust's area that is bare seen from the samples, and where that is more than a lid, share of the points
 /// that the crust misses by more than any noise. \param noise standard deviation [units of the points].

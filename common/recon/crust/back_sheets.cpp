@@ -241,8 +241,7 @@ std::optional<BackedSheets> label_with_backs(const LostSheets& lost, const Point
         return {};
     if (!oriented)
         normals.clear();
-    BallLabellingOptions fewer = options;
-    fewer.most_violated = fewer_violated * labelled.violated_votes;
+    const BallLabellingOptions fewer = options.within(fewer_violated * labelled.violated_votes);
     LabelledBalls backed = label_polar_balls(all, normals, fewer, times, progress.part(0.4, 1, "polar balls"));
     if (backed.violated_votes > fewer.most_violated)
         return {};

@@ -7,7 +7,10 @@
 #include <recon/triangulation/power_diagram.h>
 #include <recon/triangulation/triangulation.h>
 
+#include <algorithm>
 #include <array>
+#include <functional>
+#include <utility>
 #include <vector>
 
 namespace recon
@@ -46,6 +49,14 @@ struct BallLabellingOptions
     /// shared. Normals then decide only where poles are sought, and none are shared.
     std::vector<int> opened;
     int threads = 1;
+
+    /// These, with labels of no use above `violated` either.
+    BallLabellingOptions within(double violated) const
+    {
+        BallLabellingOptions result = *this;
+        result.most_violated = std::min(most_violated, violated);
+        return result;
+    }
 };
 
 /// Above this share of violated votes the outside floods the surface, which then misses nothing and has handles by the
@@ -67,6 +78,9 @@ struct LabelledBalls
     bool is_shared = false; ///< Whether samples share balls.
 };
 
+/// Labels of samples with normals, or without if there are none, which are of no use above `most_violated`.
+using LabelWithin = std::function<LabelledBalls(const Points& samples, const Vectors& normals, double most_violated)>;
+
 /// Algorithm 4.1 of Mederos et al. (2005), steps 1 to 5, with a local threshold and a global labelling: Delaunay
 /// triangulation, polar balls above the local scale, power diagram, labels from the balls' attraction, the samples'
 /// votes and, where given, the samples' outward normals; then doubtful balls dropped, islands absorbed, doubtful and
@@ -75,5 +89,13 @@ struct LabelledBalls
 /// normals empty, or one per sample of a cloud that is already free of noise. \throws Cancelled.
 LabelledBalls label_polar_balls(Points samples, const Vectors& normals, const BallLabellingOptions& options,
                                 PhaseTimes& times, const Progress& progress = {});
+
+/// The same, given up above what is asked. `times` must outlive it.
+inline LabelWithin label_within(BallLabellingOptions options, PhaseTimes& times, const Progress& progress = {})
+{
+    return [options = std::move(options), &times, progress](const Points& samples, const Vectors& normals,
+                                                            double most_violated)
+    { return label_polar_balls(samples, normals, options.within(most_violated), times, progress); };
+}
 
 } // namespace recon

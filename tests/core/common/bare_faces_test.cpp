@@ -23,10 +23,10 @@ OrientedSamples in_spatial_order(const OrientedSamples& samples)
     return {points_at(order, samples.points), points_at(order, samples.normals)};
 }
 
-LabelledBalls label(const Points& samples, const Vectors& normals)
+LabelledBalls label(const Points& samples, const Vectors& normals, double most_violated)
 {
     PhaseTimes times;
-    return label_polar_balls(samples, normals, {}, times);
+    return label_polar_balls(samples, normals, BallLabellingOptions{}.within(most_violated), times);
 }
 
 /// A ball of radius 0.5 without what lies above z = `top`.

@@ -29,8 +29,9 @@ int added_if(double violated_without, double violated_with, int added)
 {
     FlatCompletion completion;
     completion.points = Points(std::size_t(added), Point::Zero());
-    const auto label = [&](const Points& all)
+    const auto label = [&](const Points& all, const Vectors& normals, double)
     {
+        EXPECT_TRUE(normals.empty());
         EXPECT_EQ(all.size(), samples.size() + std::size_t(added));
         return label_as(violated_with);
     };
@@ -62,7 +63,7 @@ TEST(LabelWithFlats, SeeksNoneWhereHardlyAnyVoteObjects)
         is_sought = true;
         return FlatCompletion{};
     };
-    const auto label = [](const Points&) { return label_as(0); };
+    const auto label = [](const Points&, const Vectors&, double) { return label_as(0); };
     EXPECT_FALSE(label_with_flats(samples, complete, 0.003, label));
     EXPECT_FALSE(is_sought);
     EXPECT_FALSE(label_with_flats(samples, complete, 0.03, label));
