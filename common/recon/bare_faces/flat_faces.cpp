@@ -418,7 +418,7 @@ private:
             flat.emplace_back(first.dot(samples_[i] - plane.origin), second.dot(samples_[i] - plane.origin));
         if (lie_on_a_line(flat, plane.tolerance))
             return regions;
-        for (const PlanarFace& planar : fill_planar_rims(flat, 0))
+        for (const PlanarFace& planar : fill_planar_rims(flat, 0).faces)
         {
             FlatFace region;
             region.origin = plane.origin;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -322,21 +323,37 @@ private:
         return result;
     }
 
-    std::vector<PlanarFace> fill(const Points& drawn, std::vector<Flat>& rims) const
+    struct FilledRims
     {
+        std::vector<Flat> rims;
+        PlanarFaces found; ///< Bare ones.
+    };
+
+    FilledRims fill(const Points& drawn, double step) const
+    {
+        FilledRims result;
+        for (const Point& p : merge(drawn, step))
+            result.rims.push_back(p.head<2>());
+        result.found = fill_planar_rims(result.rims, *std::rbegin(strays));
+        std::vector<PlanarFace>& faces = result.found.faces;
+        faces.erase(std::remove_if(faces.begin(), faces.end(),
+                                   [&](const PlanarFace& face) { return !is_bare(face, result.rims); }),
+                    faces.end());
+        drop_discs_within(faces, result.rims);
+        return result;
+    }
+
+    /// Of the steps the first with faces that leaves out the least share.
+    FilledRims fill(const Points& drawn) const
+    {
+        std::vector<FilledRims> tried;
         for (const double left_out : strays)
-            for (const double step : rim_steps)
+            for (std::size_t k = 0; k < std::size(rim_steps); ++k)
             {
-                rims.clear();
-                for (const Point& p : merge(drawn, step))
-                    rims.push_back(p.head<2>());
-                std::vector<PlanarFace> faces = fill_planar_rims(rims, left_out);
-                faces.erase(std::remove_if(faces.begin(), faces.end(),
-                                           [&](const PlanarFace& face) { return !is_bare(face, rims); }),
-                            faces.end());
-                drop_discs_within(faces, rims);
-                if (!faces.empty())
-                    return faces;
+                if (k == tried.size())
+                    tried.push_back(fill(drawn, rim_steps[k]));
+                if (!tried[k].found.faces.empty() && tried[k].found.leave_out_at_most(left_out, tried[k].rims.size()))
+                    return std::move(tried[k]);
             }
         return {};
     }
@@ -354,8 +371,8 @@ private:
         members = drop_leaning(list_members(plane));
         if (int(members.flat.size()) < fewest_samples)
             return result;
-        std::vector<Flat> rims;
-        for (const PlanarFace& planar : fill(draw_rims(members), rims))
+        const auto [rims, found_faces] = fill(draw_rims(members));
+        for (const PlanarFace& planar : found_faces.faces)
         {
             FlatFace face;
             face.origin = plane.origin;

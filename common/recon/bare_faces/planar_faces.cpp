@@ -401,7 +401,7 @@ std::vector<PlanarFace> fill_by_parity(const PlanarTriangulation& planar, const 
 
 } // namespace
 
-std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& points, double strays)
+PlanarFaces fill_planar_rims(const std::vector<Eigen::Vector2d>& points, double strays)
 {
     std::vector<int> kept(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -427,7 +427,7 @@ std::vector<PlanarFace> fill_planar_rims(const std::vector<Eigen::Vector2d>& poi
                 for (int& v : face.rim)
                     v = kept[v];
             }
-            return faces;
+            return {std::move(faces), kept.size()};
         }
         for (const int v : left_out)
             kept[v] = -1;

@@ -26,7 +26,7 @@ TEST(FillPlanarRims, FillsEverySecondRegion)
     std::vector<Eigen::Vector2d> points;
     for (const Point& p : ring)
         points.emplace_back(p.x(), p.y());
-    const auto faces = fill_planar_rims(points, 0);
+    const auto faces = fill_planar_rims(points, 0).faces;
     ASSERT_EQ(faces.size(), 2u);
     double area = 0;
     for (const PlanarFace& face : faces)
@@ -50,7 +50,7 @@ TEST(FillPlanarRims, TellsRimsNearerToEachOtherThanTheirSamples)
     std::vector<Eigen::Vector2d> points;
     for (const Point& p : ring)
         points.emplace_back(p.x(), p.y());
-    const auto faces = fill_planar_rims(points, 0);
+    const auto faces = fill_planar_rims(points, 0).faces;
     ASSERT_EQ(faces.size(), 1u);
     EXPECT_EQ(faces.front().rim.size(), points.size());
     // As many triangles as rim samples and two per hole, less two: no rim leads from one circle to another.
@@ -66,9 +66,17 @@ TEST(FillPlanarRims, LeavesOutStraysOnlyIfTold)
     for (const Point& p : ring)
         points.emplace_back(p.x(), p.y());
     points.emplace_back(0.03, 0.02);
-    EXPECT_TRUE(fill_planar_rims(points, 0).empty());
-    ASSERT_EQ(fill_planar_rims(points, 0.1).size(), 1u);
-    EXPECT_EQ(fill_planar_rims(points, 0.1).front().rim.size(), 180u);
+    EXPECT_TRUE(fill_planar_rims(points, 0).faces.empty());
+    EXPECT_TRUE(fill_planar_rims(points, 0.005).faces.empty());
+    for (const double share : {0.01, 0.1, 0.5}) // more than suffices changes nothing
+    {
+        const PlanarFaces filled = fill_planar_rims(points, share);
+        ASSERT_EQ(filled.faces.size(), 1u);
+        EXPECT_EQ(filled.faces.front().rim.size(), 180u);
+        EXPECT_EQ(filled.on_rims, 180u);
+        EXPECT_TRUE(filled.leave_out_at_most(0.01, points.size()));
+        EXPECT_FALSE(filled.leave_out_at_most(0.005, points.size()));
+    }
 }
 
 TEST(FillPlanarRims, NoFaceThroughAGap)
@@ -80,9 +88,9 @@ TEST(FillPlanarRims, NoFaceThroughAGap)
         points.emplace_back(p.x(), p.y());
     points.emplace_back(-0.01, 0); // a rim of two ends
     points.emplace_back(0.01, 0);
-    EXPECT_TRUE(fill_planar_rims(points, 0).empty());
-    EXPECT_TRUE(fill_planar_rims({}, 0).empty());
-    EXPECT_TRUE(fill_planar_rims({{0, 0}, {0.1, 0}, {0.2, 0}}, 0.1).empty());
+    EXPECT_TRUE(fill_planar_rims(points, 0).faces.empty());
+    EXPECT_TRUE(fill_planar_rims({}, 0).faces.empty());
+    EXPECT_TRUE(fill_planar_rims({{0, 0}, {0.1, 0}, {0.2, 0}}, 0.1).faces.empty());
 }
 
 TEST(LieOnALine, SoDoNineInTenWhateverTheOthersDo)
