@@ -104,6 +104,9 @@ struct NearestQuery
         double least_of_run = std::numeric_limits<double>::infinity();
         for (int i = begin; i < boxes.end_of_run(begin); ++i)
         {
+            // Few of a run come near: their boxes tell sooner.
+            if (boxes.box_of(i).squaredExteriorDistance(p) > least)
+                continue;
             const auto& [a, b, c] = boxes.triangles[i];
             const double squared = squared_distance(p, boxes.vertices[a], boxes.vertices[b], boxes.vertices[c]);
             least_of_run = std::min(least_of_run, squared);
