@@ -170,19 +170,20 @@ std::optional<LabelledNoisyFlats> label_with_noisy_flats(const DenoisedCloud& cl
     };
     if (violated <= calm_votes_of_whole && !is_bare())
         return {};
-    std::optional<bool> lines;
-    const auto has_lines = [&]
+    std::optional<bool> sparse;
+    const auto may_be_sparse = [&]
     {
-        if (!lines)
-            lines = lie_along_lines(cloud.points, BlockSearch(cloud.points, threads));
-        return *lines;
+        if (!sparse)
+            sparse =
+                violated > votes_for_last_slabs && lie_along_lines(cloud.points, BlockSearch(cloud.points, threads));
+        return *sparse;
     };
     const double bearable_votes = clearly_fewer_with_flats * violated;
     FacesInSlabs faces(cloud, threads);
     std::optional<JudgedFlats> best;
     for (const Slabs& slabs : slabs_in_turn)
     {
-        if (slabs.leaning == Leaning::beyond_chance && (violated <= votes_for_last_slabs || !has_lines()))
+        if (slabs.leaning == Leaning::beyond_chance && !may_be_sparse())
             break;
         std::optional<LabelledNoisyFlats> flats = complete(cloud, slabs, faces, label, bearable_votes, times, threads);
         if (!flats)

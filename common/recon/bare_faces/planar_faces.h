@@ -16,6 +16,7 @@ struct PlanarFace
     std::vector<int> rim;                      ///< Points on its rims, ascending.
 };
 
+/// What rims enclose.
 struct PlanarFaces
 {
     std::vector<PlanarFace> faces;
