@@ -255,11 +255,6 @@ void resize(AmlsProjection& p, std::size_t size)
 
 } // namespace
 
-int AmlsProjection::count(ProjectionStatus wanted) const
-{
-    return int(std::count(status.begin(), status.end(), wanted));
-}
-
 AmlsProjection project_in_frame(const AmlsSurface::Data& data, const Points& unit, const std::vector<int>& cell,
                                 const AmlsProjectionOptions& options, int threads, const Progress& progress)
 {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "projection.h"
 #include "surface.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
-#include <cstdint>
 #include <vector>
 
 namespace recon
@@ -26,36 +26,6 @@ struct AmlsProjectionOptions
     /// across a plane look another way, see turn_cells_across().
     bool sharp = true;
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
-};
-
-enum class ProjectionStatus : std::uint8_t
-{
-    converged,
-    fell_back,     ///< Newton's method left the neighbourhood; the point lies on the local plane instead.
-    not_converged, ///< The last position within bounds.
-    kept,          ///< Not moved: the surface rounds off a detail here, such as an edge, in which other samples agree.
-    too_far,       ///< Not moved: not one of the samples, and too far from them to tell to which place it belongs.
-    outlier        ///< Not moved: alone off the surface.
-};
-
-/// Whether a point with this status was moved.
-inline bool is_moved(ProjectionStatus status)
-{
-    return status <= ProjectionStatus::not_converged;
-}
-
-/// Projected points with what happened to each.
-struct AmlsProjection
-{
-    Points points;
-    Vectors normals; ///< Of unit length, outward: gradient of I. Of outliers that of the nearest surface.
-    std::vector<ProjectionStatus> status;
-    std::vector<double> widths;            ///< h at the point [length].
-    std::vector<double> spacings;          ///< Distance of neighbouring input points there [length].
-    std::vector<std::uint8_t> iterations;  ///< Newton steps [count].
-    std::vector<std::uint16_t> neighbours; ///< Anchors that count in the last step [count].
-
-    int count(ProjectionStatus wanted) const;
 };
 
 /// Moves points onto the surface by Newton's method on I (Dey and Sun 2005, eq. 7.11; README.md, step 8), corrected

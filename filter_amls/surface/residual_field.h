@@ -1,6 +1,7 @@
 #pragma once
 
-#include "project.h"
+#include "projection.h"
+#include "surface.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

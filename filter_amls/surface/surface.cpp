@@ -9,6 +9,7 @@
 #include "filter_amls/sides/orient.h"
 #include "filter_amls/sides/sides_of_thin_walls.h"
 #include "filter_amls/sides/turn_pieces.h"
+#include "project.h"
 #include "surface_data.h"
 
 #include <recon/errors.h>

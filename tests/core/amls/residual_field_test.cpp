@@ -1,4 +1,6 @@
 #include "filter_amls/surface/residual_field.h"
+
+#include "filter_amls/surface/project.h"
 #include "filter_amls/surface/surface_data.h"
 
 #include "tests/shapes.h"
