@@ -352,7 +352,8 @@ private:
             {
                 if (k == tried.size())
                     tried.push_back(fill(drawn, rim_steps[k]));
-                if (!tried[k].found.faces.empty() && tried[k].found.leave_out_at_most(left_out, tried[k].rims.size()))
+                const PlanarFaces& found = tried[k].found;
+                if (!found.faces.empty() && are_all_but(left_out, found.on_rims, tried[k].rims.size()))
                     return std::move(tried[k]);
             }
         return {};

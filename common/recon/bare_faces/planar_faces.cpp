@@ -406,8 +406,7 @@ PlanarFaces fill_planar_rims(const std::vector<Eigen::Vector2d>& points, double 
     std::vector<int> kept(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
         kept[i] = int(i);
-    const double fewest = (1 - strays) * double(points.size());
-    for (int round = 0; kept.size() >= 3 && double(kept.size()) >= fewest; ++round)
+    for (int round = 0; kept.size() >= 3 && are_all_but(strays, kept.size(), points.size()); ++round)
     {
         std::vector<Eigen::Vector2d> present;
         for (const int i : kept)

@@ -21,13 +21,13 @@ struct PlanarFaces
 {
     std::vector<PlanarFace> faces;
     std::size_t on_rims = 0; ///< Points that were not left out; 0 if there are no faces [count].
-
-    /// Whether at most this share of all the points was left out.
-    bool leave_out_at_most(double strays, std::size_t points) const
-    {
-        return double(on_rims) >= (1 - strays) * double(points);
-    }
 };
+
+/// Whether so many of the points are all but this share of strays.
+inline bool are_all_but(double strays, std::size_t on_rims, std::size_t points)
+{
+    return double(on_rims) >= (1 - strays) * double(points);
+}
 
 /// Joins points that lie on closed curves (the rims) and fills every second region from infinity inwards.
 ///

@@ -74,8 +74,8 @@ TEST(FillPlanarRims, LeavesOutStraysOnlyIfTold)
         ASSERT_EQ(filled.faces.size(), 1u);
         EXPECT_EQ(filled.faces.front().rim.size(), 180u);
         EXPECT_EQ(filled.on_rims, 180u);
-        EXPECT_TRUE(filled.leave_out_at_most(0.01, points.size()));
-        EXPECT_FALSE(filled.leave_out_at_most(0.005, points.size()));
+        EXPECT_TRUE(are_all_but(0.01, filled.on_rims, points.size()));
+        EXPECT_FALSE(are_all_but(0.005, filled.on_rims, points.size()));
     }
 }
 
