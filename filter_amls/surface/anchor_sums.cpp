@@ -81,7 +81,9 @@ void sum_anchors(const float* values, std::size_t stride, const float* p, const 
         const Lanes d = ux * (nx - qx) + uy * (ny - qy) + uz * (nz - qz);
         const Lanes off = d * agreement.inverse_distance;
         const Lanes turn = (one - (nx * face[0] + ny * face[1] + nz * face[2])) * agreement.turning;
-        const Lanes near = 1.0f / (1.0f + off * off), alike = 1.0f / (1.0f + off * off * (one + turn));
+        const Lanes depths = d * (ux * face[0] + uy * face[1] + uz * face[2]) * -agreement.crease;
+        const Lanes beyond = depths > zero ? depths : zero;
+        const Lanes near = 1.0f / (1.0f + off * off), alike = 1.0f / (1.0f + off * off * (one + turn) + beyond);
         const Lanes smooth = w * near * near;
         w *= alike * alike;
         const Lanes dx = nx - 2.0f * qx, dy = ny - 2.0f * qy, dz = nz - 2.0f * qz;

@@ -52,12 +52,13 @@ private:
 };
 
 /// Which anchors agree with a point: those that pass it nearby, the nearer the less they face as the surface does
-/// there.
+/// there. Those beyond a crease do not: they lie below the plane at the point, and it below them, or both above.
 struct Agreement
 {
-    float inverse_distance = 0; ///< 0: all do.
-    float normal[3] = {0, 0, 0};
+    float inverse_distance = 0;  ///< 0: all that pass it do.
+    float normal[3] = {0, 0, 0}; ///< Of the surface at the point.
     float turning = 0;
+    float crease = 0; ///< Times the product of both depths: how much less those beyond a crease agree; 0: they do.
 };
 
 /// W, sum theta d, sum theta grad d, and the number of anchors that count; smooth_gradient: wherever they face.

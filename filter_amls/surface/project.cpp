@@ -30,6 +30,8 @@ constexpr double agreeing_motion = 0.1, agreeing_noise = 2.5,
 constexpr double agreeing_sigmas = 2, agreeing_widths = 0.25; // anchors off by more lose weight
 /// Times 1 - cosine of the turn: how much stricter agreement is with anchors that face elsewhere.
 constexpr double turning = 3;
+/// Times the product of the depths [agreeing distances]: how much less anchors beyond a crease weigh at first.
+constexpr double beyond_crease = 100;
 constexpr double least_step = 1e-5; // widths: floats resolve 1e-7
 constexpr double run_radius = 0.65; // widths
 constexpr int longest_run = 64;
@@ -119,9 +121,10 @@ private:
         result.normal = side;
         double width = h;
         int widened = 0;
-        // Once x lies about where most anchors agree, those that do not, as beyond a crease, lose weight; not before,
-        // or a point in the tail of the noise would agree with the wrong ones. The normal told does not listen to
-        // turns: at a tip few anchors could outvote the side.
+        // Once x lies about where most anchors agree, those that do not lose weight; not before, or a point in the tail
+        // of the noise would agree with the wrong ones. Before, those beyond a crease do, by the side of its cell: a
+        // point on one face would follow the other's plane out of the solid. The normal told does not listen to turns:
+        // at a tip few anchors could outvote the side.
         bool settled = false;
         const double agreeing = std::max(agreeing_sigmas * scale.sigma, agreeing_widths * h);
         const GatheredAnchors* anchors = &around_run_;
@@ -140,6 +143,12 @@ private:
                 agreement.inverse_distance = float(1 / agreeing);
                 agreement.turning = options_.sharp ? float(turning) : 0;
                 Eigen::Vector3f::Map(agreement.normal) = gradient.normalized().cast<float>();
+            }
+            else
+            {
+                agreement.crease = float(beyond_crease / (agreeing * agreeing));
+                const Vector& followed = data_.cell_sides[cell];
+                Eigen::Vector3f::Map(agreement.normal) = followed.dot(side) > 0 ? followed.cast<float>() : facing;
             }
             AnchorSums sums;
             sum_anchors(anchors->values(), anchors->stride(), local.data(), facing.data(), float(1 / width),

@@ -68,7 +68,7 @@ TEST(NoisyPowerCrust, ACupOfThinNoisyWallsIsNotFilled)
 TEST(NoisyPowerCrust, TubesOfRingsAreNotCut)
 {
     for (const double thickness : {2.5, 3.0})
-        for (const double major : {8, 15})
+        for (const double major : {9, 15})
             for (const double noise : {0.0, 0.01})
             {
                 const Points points =
@@ -269,7 +269,7 @@ TEST(NoisyPowerCrust, AFinOfWhichOneSideWasSeenIsKept)
 {
     for (const double noise : {0.0, 0.1, 0.2})
     {
-        const shapes::FinnedBall ball = shapes::finned_ball(5);
+        const shapes::FinnedBall ball = shapes::finned_ball(4);
         const NoisyPowerCrust crust = reconstruct_noisy_power_crust(shapes::with_noise(ball.samples.points, noise, 4));
         EXPECT_EQ(crust.components, 1);
         EXPECT_EQ(crust.genus, 0) << noise;
