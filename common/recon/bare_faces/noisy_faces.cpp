@@ -1,11 +1,8 @@
 #include <recon/bare_faces/noisy_faces.h>
 
-#include <recon/bare_faces/planar_faces.h>
-#include <recon/median.h>
+#include <recon/bare_faces/noisy_rims.h>
 #include <recon/parallel.h>
 #include <recon/search/block_search.h>
-#include <recon/search/keep_apart.h>
-#include <recon/search/neighbours.h>
 
 #include <Eigen/Dense>
 
@@ -22,22 +19,8 @@ namespace
 
 using Flat = Eigen::Vector2d;
 
-/// Rounds in which rims are drawn together, and the reach of each fit [noise].
-constexpr int rounds = 4;
+/// Points this near say where the plane of a face lies [noise].
 constexpr double reach = 6;
-/// Distances of denoised rim samples that are tried [noise].
-constexpr double rim_steps[] = {2, 1.5, 2.5};
-/// Where rims are sparse all samples of a spot become one: within this share of the distance to the next [count; 1].
-constexpr int of_a_spot = 5;
-constexpr double spot_share = 0.2;
-/// Share of points on no rim: the rims that explain most come first.
-constexpr double strays[] = {0.05, 0.1, 0.2};
-/// Points that say where a curve runs.
-constexpr int fewest_in_fit = 16;
-/// What is left of a rim has this share of the median number of points at least; less is far off by chance.
-constexpr double fewest_share = 0.3;
-/// Least mean width of a face [distances of its rim samples].
-constexpr double least_width = 2;
 /// Where four in five of at most so many members have at least this many times as many within four reaches as within
 /// one, they cover an area, and lie on no rim: 11 to 12 on walls and floors of scans, up to 8.7 where faces are.
 constexpr double as_in_area = 9.75;
@@ -46,9 +29,6 @@ constexpr std::size_t most_asked = 500;
 constexpr double crossing_reach = 8;
 /// Half the width of what noise makes of a line in the plane [noise].
 constexpr double beside_line = 4;
-/// Share of the heights' variance that a slope explains where the surface leans instead of ending.
-constexpr double leaning = 0.4;
-constexpr int fewest_samples = 12;
 
 /// Fills `away` of a face whose triangles and rim are known.
 void find_away(FlatFace& face, const Points& samples)
@@ -123,9 +103,8 @@ private:
     struct Members
     {
         NoisyPlane plane;
-        Vector first, second;
-        Points flat; ///< Their places in the plane.
-        std::vector<double> heights;
+        Vector first, second; ///< Directions of the places.
+        SlabPoints points;
     };
 
     Members list_members(const NoisyPlane& plane) const
@@ -138,89 +117,26 @@ private:
         for (const Point& p : points_)
             if (std::abs(plane.height(p)) <= slab_half * noise_ && !is_crossing(plane, p, near))
             {
-                result.flat.emplace_back(result.first.dot(p - plane.origin), result.second.dot(p - plane.origin), 0);
-                result.heights.push_back(plane.height(p));
+                result.points.places.emplace_back(result.first.dot(p - plane.origin),
+                                                  result.second.dot(p - plane.origin), 0);
+                result.points.heights.push_back(plane.height(p));
             }
         return result;
-    }
-
-    /// Members around a place, and what their weighted moments say.
-    struct Moments
-    {
-        Point mean = Point::Zero();
-        Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-        Flat slope = Flat::Zero(); ///< Of heights with places.
-        double variance = 0;       ///< Of heights.
-        double effective = 0;      ///< As many members of equal weight would say as much [count].
-
-        /// Whether heights lean with the place.
-        bool is_leaning(Leaning told) const
-        {
-            const double explained = slope.dot(spread.ldlt().solve(slope));
-            if (told == Leaning::by_share)
-                return explained > leaning * variance;
-            constexpr double unknowns = 3; // of a plane
-            if (!(effective > unknowns))
-                return false;
-            return (variance - explained) * (effective - 1) < (1 - leaning) * variance * (effective - unknowns);
-        }
-    };
-
-    Moments sum_up(const Members& members, const NeighbourSearch& search, const Point& p, double radius,
-                   std::vector<int>& near) const
-    {
-        Moments result;
-        search.within(p, radius, near);
-        double sum = 0, squares = 0, height = 0;
-        std::vector<double> weights;
-        for (const int i : near)
-        {
-            weights.push_back(std::exp(-8 * (members.flat[i] - p).squaredNorm() / (radius * radius)));
-            sum += weights.back();
-            squares += weights.back() * weights.back();
-            result.mean += weights.back() * members.flat[i];
-            height += weights.back() * members.heights[i];
-        }
-        if (near.empty())
-            return result;
-        result.mean /= sum;
-        height /= sum;
-        result.effective = sum * sum / squares;
-        for (std::size_t k = 0; k < near.size(); ++k)
-        {
-            const Flat off = (members.flat[near[k]] - result.mean).head<2>();
-            const double up = members.heights[near[k]] - height;
-            result.spread += weights[k] * off * off.transpose();
-            result.slope += weights[k] * up * off;
-            result.variance += weights[k] * up * up;
-        }
-        return result;
-    }
-
-    double choose_reach(const NeighbourSearch& search, const Point& p) const
-    {
-        int indices[fewest_in_fit];
-        double squared[fewest_in_fit];
-        const int found = search.nearest(p, fewest_in_fit, indices, squared);
-        return std::max(reach * noise_, std::sqrt(squared[found - 1]));
     }
 
     /// Leaves out those around which heights lean with the place: there the surface crosses the plane.
     Members drop_leaning(const Members& members) const
     {
-        const NeighbourSearch search(members.flat);
+        SlabSpots spots(members.points, noise_);
         Members result = members;
-        result.flat.clear();
-        result.heights.clear();
-        std::vector<int> near;
-        for (std::size_t k = 0; k < members.flat.size(); ++k)
+        result.points = {};
+        for (std::size_t k = 0; k < members.points.places.size(); ++k)
         {
-            const Point& p = members.flat[k];
-            const Moments moments = sum_up(members, search, p, choose_reach(search, p), near);
-            if (moments.is_leaning(leaning_))
+            const Point& p = members.points.places[k];
+            if (spots.sum_up(p, spots.choose_radius(p)).is_leaning(leaning_))
                 continue;
-            result.flat.push_back(p);
-            result.heights.push_back(members.heights[k]);
+            result.points.places.push_back(p);
+            result.points.heights.push_back(members.points.heights[k]);
         }
         return result;
     }
@@ -228,135 +144,42 @@ private:
     bool are_on_a_line(const Members& members) const
     {
         std::vector<Flat> places;
-        for (const Point& p : members.flat)
+        for (const Point& p : members.points.places)
             places.push_back(p.head<2>());
         return lie_on_a_line(places, beside_line * noise_);
     }
 
-    bool cover_an_area(const Members& members) const
+    bool cover_an_area(const SlabPoints& points) const
     {
-        const NeighbourSearch search(members.flat);
-        std::vector<int> near;
+        SlabSpots spots(points, noise_);
         int asked = 0, as_area = 0;
-        for (std::size_t k = 0; k < members.flat.size(); k += members.flat.size() / most_asked + 1)
+        for (std::size_t k = 0; k < points.places.size(); k += points.places.size() / most_asked + 1)
         {
-            const double radius = choose_reach(search, members.flat[k]);
-            search.within(members.flat[k], radius, near);
-            const double few = double(near.size());
-            search.within(members.flat[k], 4 * radius, near);
-            as_area += double(near.size()) > as_in_area * few;
+            const Point& p = points.places[k];
+            const double radius = spots.choose_radius(p), few = spots.count(p, radius);
+            as_area += spots.count(p, 4 * radius) > as_in_area * few;
             ++asked;
         }
-        return as_area > (1 - strays[2]) * asked;
+        return as_area > (1 - *std::rbegin(rim_strays)) * asked;
     }
 
     /// Least squares through the members.
     NoisyPlane fit(const Members& members) const
     {
-        const double count = double(members.flat.size());
+        const double count = double(members.points.places.size());
         Eigen::Vector3d right = Eigen::Vector3d::Zero();
         Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
-        for (std::size_t k = 0; k < members.flat.size(); ++k)
+        for (std::size_t k = 0; k < members.points.places.size(); ++k)
         {
-            const Eigen::Vector3d row(members.flat[k].x(), members.flat[k].y(), 1);
+            const Eigen::Vector3d row(members.points.places[k].x(), members.points.places[k].y(), 1);
             left += row * row.transpose() / count;
-            right += row * members.heights[k] / count;
+            right += row * members.points.heights[k] / count;
         }
         const Eigen::Vector3d tilt = left.ldlt().solve(right);
         NoisyPlane result = members.plane;
         result.origin += tilt.z() * result.normal;
         result.normal = (result.normal - tilt.x() * members.first - tilt.y() * members.second).normalized();
         return result;
-    }
-
-    /// Draws points that lie along curves onto these: each moves across the main direction of those around it.
-    Points draw_rims(const Members& members) const
-    {
-        const NeighbourSearch search(members.flat);
-        Points drawn = members.flat;
-        std::vector<int> near;
-        for (Point& p : drawn)
-        {
-            const double radius = choose_reach(search, p);
-            for (int round = 0; round < rounds; ++round)
-            {
-                const Moments moments = sum_up(members, search, p, radius, near);
-                if (near.empty())
-                    break;
-                const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(moments.spread);
-                const Flat along = solver.eigenvectors().col(1), off = (moments.mean - p).head<2>();
-                p.head<2>() += off - along.dot(off) * along;
-            }
-        }
-        return drawn;
-    }
-
-    /// One point for all within reach of each that stays, their mean.
-    Points merge(const Points& drawn, double step) const
-    {
-        const NeighbourSearch around(drawn);
-        std::vector<double> radii;
-        for (const Point& p : drawn)
-        {
-            int indices[of_a_spot + 1];
-            double squared[of_a_spot + 1];
-            const int count = around.nearest(p, of_a_spot + 1, indices, squared);
-            radii.push_back(std::max(step * noise_, spot_share * std::sqrt(squared[count - 1])));
-        }
-        const std::vector<int> kept = keep_apart(drawn, radii);
-        const Points centres = points_at(kept, drawn);
-        const NeighbourSearch search(centres);
-        Points sums(kept.size(), Point::Zero());
-        std::vector<double> counts(kept.size(), 0);
-        for (const Point& p : drawn)
-        {
-            const int k = search.nearest(p);
-            sums[k] += p;
-            ++counts[k];
-        }
-        const double usual = median(counts);
-        Points result;
-        // A spot far from the next is no stray of a rim, however few its points.
-        for (std::size_t k = 0; k < sums.size(); ++k)
-            if (counts[k] >= fewest_share * usual || radii[std::size_t(kept[k])] > 2 * step * noise_)
-                result.push_back(sums[k] / counts[k]);
-        return result;
-    }
-
-    struct FilledRims
-    {
-        std::vector<Flat> rims;
-        PlanarFaces found; ///< Bare ones.
-    };
-
-    FilledRims fill(const Points& drawn, double step) const
-    {
-        FilledRims result;
-        for (const Point& p : merge(drawn, step))
-            result.rims.push_back(p.head<2>());
-        result.found = fill_planar_rims(result.rims, *std::rbegin(strays));
-        std::vector<PlanarFace>& faces = result.found.faces;
-        faces.erase(std::remove_if(faces.begin(), faces.end(),
-                                   [&](const PlanarFace& face) { return !is_bare(face, result.rims); }),
-                    faces.end());
-        drop_discs_within(faces, result.rims);
-        return result;
-    }
-
-    /// Of the steps the first with faces that leaves out the least share.
-    FilledRims fill(const Points& drawn) const
-    {
-        std::vector<FilledRims> tried;
-        for (const double left_out : strays)
-            for (std::size_t k = 0; k < std::size(rim_steps); ++k)
-            {
-                if (k == tried.size())
-                    tried.push_back(fill(drawn, rim_steps[k]));
-                const PlanarFaces& found = tried[k].found;
-                if (!found.faces.empty() && are_all_but(left_out, found.on_rims, tried[k].rims.size()))
-                    return std::move(tried[k]);
-            }
-        return {};
     }
 
     NoisyFaces find_on(const NoisyPlane& found) const
@@ -366,13 +189,13 @@ private:
         if (are_on_a_line(members))
             return result;
         members = drop_leaning(members);
-        if (int(members.flat.size()) < fewest_samples || cover_an_area(members))
+        if (int(members.points.places.size()) < fewest_rim_samples || cover_an_area(members.points))
             return result;
         const NoisyPlane plane = fit(members);
         members = drop_leaning(list_members(plane));
-        if (int(members.flat.size()) < fewest_samples)
+        if (int(members.points.places.size()) < fewest_rim_samples)
             return result;
-        const auto [rims, found_faces] = fill(draw_rims(members));
+        const auto [rims, found_faces] = fill_noisy_rims(members.points, noise_);
         for (const PlanarFace& planar : found_faces.faces)
         {
             FlatFace face;
@@ -425,46 +248,6 @@ private:
         for (const int v : face.rim)
             rims[v] -= plane.height(rims[v]) * plane.normal;
         return squared <= widest_spread * widest_spread * count;
-    }
-
-    /// A disc in a hole of another face is more often what crosses the plane there.
-    static void drop_discs_within(std::vector<PlanarFace>& faces, const std::vector<Flat>& rims)
-    {
-        const auto box_of = [&](const PlanarFace& face)
-        {
-            Eigen::AlignedBox2d box;
-            for (const int v : face.rim)
-                box.extend(rims[v]);
-            return box;
-        };
-        const std::vector<PlanarFace> all = faces;
-        const auto is_within = [&](const PlanarFace& face)
-        {
-            return face.triangles.size() < face.rim.size() &&
-                   std::any_of(all.begin(), all.end(),
-                               [&](const PlanarFace& other) {
-                                   return other.triangles.size() >= other.rim.size() &&
-                                          box_of(other).contains(box_of(face));
-                               });
-        };
-        faces.erase(std::remove_if(faces.begin(), faces.end(), is_within), faces.end());
-    }
-
-    /// Whether some of it lies far from its rims.
-    bool is_bare(const PlanarFace& face, const std::vector<Flat>& rims) const
-    {
-        if (int(face.rim.size()) < fewest_samples)
-            return false;
-        double area = 0, length = 0;
-        for (const auto& t : face.triangles)
-        {
-            const Flat u = rims[t[1]] - rims[t[0]], v = rims[t[2]] - rims[t[0]];
-            area += 0.5 * std::abs(u.x() * v.y() - u.y() * v.x());
-        }
-        for (const auto& [a, b] : list_border_edges(face.triangles))
-            length += (rims[a] - rims[b]).norm();
-        // Mean width against the distance of rim samples and what noise leaves of a rim.
-        return area > 0.5 * length * std::max(least_width * length / double(face.rim.size()), 4 * noise_);
     }
 
     const Points& points_;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <recon/bare_faces/noisy_planes.h>
-
 #include <recon/bare_faces/flat_faces.h>
+#include <recon/bare_faces/noisy_planes.h>
+#include <recon/bare_faces/slab_spots.h>
 
 namespace recon
 {
@@ -12,13 +12,6 @@ struct NoisyFaces
 {
     Points rims; ///< What the faces refer to.
     std::vector<FlatFace> faces;
-};
-
-/// Points around which heights lean with the place are no rim's: the surface crosses the plane there.
-enum class Leaning
-{
-    by_share,     ///< By the share of the variance that a slope explains; of a lone spot's few points it may by chance.
-    beyond_chance ///< Less what it would explain of as many heights by chance: for sparse rims.
 };
 
 /// As find_flat_faces(), from points with noise. Rims are denoised in their planes: across a curve of samples no normal
