@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -25,6 +26,29 @@ TEST(AmlsProjection, BringsFarPointsBack)
     const AmlsProjection result = project_to_amls(queries, surface, options);
     for (const Point& p : result.points)
         EXPECT_LT(shapes::distance_to_sphere(p, 1), 0.01);
+}
+
+// Dense faces drew the points of a sparse wall beside them out of the solid, into the mouth of the bore.
+TEST(AmlsProjection, DenseFacesDoNotDrawSparseWallsOut)
+{
+    const double side = 24, thickness = 10, radius = 7, noise = 0.5;
+    Points points;
+    int walls = 0;
+    for (const Point& p : shapes::plate(side, thickness, {Point::Zero()}, 2 * radius, 1))
+    {
+        const bool is_face = std::abs(std::abs(p.z()) - 0.5 * thickness) < 1e-6;
+        if (is_face || walls++ % 6 == 0)
+            points.push_back(p);
+    }
+    points = shapes::with_noise(points, noise, 10);
+    const auto distance = [&](const Point& p)
+    {
+        const double axis = p.head<2>().norm(), above = std::max(0.0, std::abs(p.z()) - 0.5 * thickness);
+        const double bore = std::hypot(axis - radius, above);
+        return axis < radius ? bore : std::min(bore, shapes::distance_to_box(p, Vector(side, side, thickness)));
+    };
+    const AmlsProjection result = project_to_amls(points, build_amls_surface(points));
+    EXPECT_LT(shapes::rms(result.points, distance), 0.3); // 0.42 where these faces are heard
 }
 
 TEST(AmlsProjection, LeavesPointsThatAreTooFar)

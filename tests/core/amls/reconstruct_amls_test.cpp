@@ -133,7 +133,7 @@ TEST(ReconstructAmls, DeepHollowsOfScansAreNotFilled)
     EXPECT_LT(mesh.violated_votes, 0.03); // 0.07 filled
     // What no view has seen, near the ground, is filled all the same, and the points around it are missed.
     ASSERT_EQ(mesh.warnings.size(), 1u);
-    EXPECT_TRUE(checks::says(mesh.warnings, "of the points lie farther"));
+    EXPECT_TRUE(checks::says(mesh.warnings, "0.8 % of the points lie farther"));
     EXPECT_LT(checks::examine_mesh(mesh.mesh).volume, 0.8 * side * side * height);
 }
 
