@@ -1,5 +1,6 @@
 #include "local_scales.h"
 
+#include "alike_noise.h"
 #include "weighted_sums.h"
 
 #include <recon/parallel.h>
@@ -29,7 +30,6 @@ constexpr double least_clearance = 1.5;  // narrowest widths to what faces elsew
 constexpr double largest_step = 5;       // sigmas by which two heights differ at most
 constexpr int pooled_seeds = 25;
 constexpr double global_share = 0.3; // weight of the mean over all seeds alike beside the pooled ones
-constexpr double alike_noise = 3;    // factor by which the noise of such seeds differs at most
 constexpr int smoothing_seeds = 15;
 constexpr double seed_reach = 0.3; // of the distance of close seeds
 constexpr double widest = 0.15;    // diagonals: more takes in the whole shape, as it would in clouds of few points
@@ -98,12 +98,6 @@ void sum_monomials(const double* pu, const double* pv, const double* pz, int n, 
 }
 
 using Risks = std::array<double, ladder>;
-
-/// Whether one width may suit both. Clean parts bear only the narrowest, and would keep noisy ones beside them so.
-bool have_alike_noise(const LocalScale& a, const LocalScale& b)
-{
-    return a.sigma <= alike_noise * b.sigma && b.sigma <= alike_noise * a.sigma;
-}
 
 /// Risk of each candidate at one seed, in units of the noise's variance.
 class RiskEstimator
@@ -247,49 +241,11 @@ private:
     std::array<int, ladder> ring_end_{};
 };
 
-/// Mean risks of all seeds with alike noise beside the spacing.
-class AlikeRisks
+/// In spacings.
+double relative_noise(const LocalScale& scale)
 {
-public:
-    /// \param asked indices of the seeds whose risks are known.
-    AlikeRisks(const std::vector<LocalScale>& at_seed, const std::vector<int>& asked, const std::vector<Risks>& risks)
-        : sums_(asked.size() + 1, Risks{})
-    {
-        for (std::size_t i = 0; i < asked.size(); ++i)
-            by_noise_.emplace_back(relative_noise(at_seed[std::size_t(asked[i])]), i);
-        std::sort(by_noise_.begin(), by_noise_.end());
-        for (std::size_t k = 0; k < asked.size(); ++k)
-            for (int j = 0; j < ladder; ++j)
-                sums_[k + 1][j] = sums_[k][j] + risks[by_noise_[k].second][j];
-    }
-
-    Risks mean(const LocalScale& scale) const
-    {
-        if (by_noise_.empty())
-            return {};
-        const double noise = relative_noise(scale);
-        // The next if there are none.
-        const std::size_t begin = std::min(count_below(noise / alike_noise), by_noise_.size() - 1),
-                          end = std::max(begin + 1, count_below(noise * alike_noise));
-        Risks result;
-        for (int j = 0; j < ladder; ++j)
-            result[j] = (sums_[end][j] - sums_[begin][j]) / double(end - begin);
-        return result;
-    }
-
-private:
-    /// In spacings.
-    static double relative_noise(const LocalScale& scale) { return scale.sigma * std::sqrt(scale.density); }
-
-    std::size_t count_below(double noise) const
-    {
-        return std::size_t(std::lower_bound(by_noise_.begin(), by_noise_.end(), std::pair(noise, std::size_t(0))) -
-                           by_noise_.begin());
-    }
-
-    std::vector<std::pair<double, std::size_t>> by_noise_; ///< With the index into the risks.
-    std::vector<Risks> sums_;                              ///< Of so many by noise.
-};
+    return scale.sigma * std::sqrt(scale.density);
+}
 
 /// Position of the minimum on the ladder, between the rungs by a parabola.
 double find_minimum(const Risks& risks)
@@ -341,7 +297,10 @@ LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, 
                         }
                     });
 
-    const AlikeRisks alike(result.at_seed, asked_index, risks);
+    std::vector<double> asked_noise;
+    for (const int i : asked_index)
+        asked_noise.push_back(relative_noise(result.at_seed[i]));
+    const AlikeMeans<ladder> alike(asked_noise, risks, 1);
     const NeighbourSearch asked_search(asked), seed_search(noise.seeds());
     std::vector<double> log_width(m), distance(m);
     parallel_for(std::size_t(m), threads, {},
@@ -350,11 +309,11 @@ LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, 
                      int near[pooled_seeds];
                      double squared[pooled_seeds];
                      const int count = asked_search.nearest(noise.seeds()[i], pooled_seeds, near, squared);
-                     Risks pooled = alike.mean(result.at_seed[i]);
+                     Risks pooled = alike.around(relative_noise(result.at_seed[i]));
                      for (double& risk : pooled)
                          risk *= global_share * count;
                      for (int k = 0; k < count; ++k)
-                         if (have_alike_noise(result.at_seed[i], result.at_seed[asked_index[near[k]]]))
+                         if (is_alike_noise(result.at_seed[i].sigma, result.at_seed[asked_index[near[k]]].sigma))
                              for (int j = 0; j < ladder; ++j)
                                  pooled[j] += risks[near[k]][j];
                      log_width[i] = std::log(narrowest[i]) + find_minimum(pooled) * std::log(rung);
@@ -368,7 +327,7 @@ LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, 
                      double total = 0;
                      int alike_seeds = 0; // the seed itself at least
                      for (int k = 0; k < count; ++k)
-                         if (have_alike_noise(result.at_seed[i], result.at_seed[near[k]]))
+                         if (is_alike_noise(result.at_seed[i].sigma, result.at_seed[near[k]].sigma))
                          {
                              total += log_width[near[k]];
                              ++alike_seeds;

@@ -1,5 +1,6 @@
 #include "residual_field.h"
 
+#include "filter_amls/fits/alike_noise.h"
 #include "filter_amls/fits/runs.h"
 #include "filter_amls/fits/weighted_sums.h"
 #include "surface_data.h"
@@ -202,16 +203,10 @@ std::vector<Trial> run_trials(const AmlsSurface::Data& data, const ResidualField
     return trials;
 }
 
-/// The candidate by which most of the error can be taken back, and its means over all trials.
-struct BestScale
+/// The candidate by which most of the error can be taken back.
+std::size_t choose_best_scale(const std::vector<Trial>& trials)
 {
-    std::size_t candidate = 0;
-    double agreed = 0, told = 0;
-};
-
-BestScale choose_best_scale(const std::vector<Trial>& trials)
-{
-    BestScale best;
+    std::size_t best = 0;
     double best_gain = 0;
     for (std::size_t k = 0; k < robust_scales.size(); ++k)
     {
@@ -224,25 +219,32 @@ BestScale choose_best_scale(const std::vector<Trial>& trials)
         const double gain = a > 0 ? a * a / b : 0;
         if (k == 0 || gain > best_gain)
         {
-            best = {k, a, b};
+            best = k;
             best_gain = gain;
         }
     }
     return best;
 }
 
-/// What share of the error told around each trial is true: by those near by and, for less, by all.
-std::vector<float> list_shares(const std::vector<Trial>& trials, const TrialPlaces& places, const BestScale& best)
+/// What share of the error told around each trial is true, by those in alike noise: near by and, for less, all.
+std::vector<float> list_shares(const std::vector<Trial>& trials, const TrialPlaces& places, std::size_t candidate)
 {
+    std::vector<std::array<double, 2>> known;
+    for (const Trial& trial : trials)
+        known.push_back({trial.agreed[candidate], trial.told[candidate]});
+    const AlikeMeans<2> alike(places.sigma, known, global_trials);
     std::vector<float> shares(trials.size());
     for (std::size_t t = 0; t < trials.size(); ++t)
     {
-        double a = global_trials * best.agreed, b = global_trials * best.told;
+        const auto usual = alike.around(places.sigma[t]);
+        double a = global_trials * usual[0], b = global_trials * usual[1];
         for (std::size_t k = 0; k < places.pooled; ++k)
         {
-            const Trial& other = trials[std::size_t(places.near[t * places.pooled + k])];
-            a += other.agreed[best.candidate];
-            b += other.told[best.candidate];
+            const std::size_t near = std::size_t(places.near[t * places.pooled + k]);
+            if (!is_alike_noise(places.sigma[t], places.sigma[near]))
+                continue;
+            a += known[near][0];
+            b += known[near][1];
         }
         shares[t] = float(believed_share(a, b));
     }
@@ -276,6 +278,8 @@ TrialPlaces::TrialPlaces(const AmlsSurface::Data& data, const AmlsProjection& pr
             search.nearest(places[t], int(pooled), &near[t * pooled], squared);
         },
         64);
+    for (std::size_t t = 0; t < count; ++t)
+        sigma.push_back(data.cells.scales[std::size_t(data.cells.cell_of_point[std::size_t(moved[t * stride])])].sigma);
     of_cell.resize(std::size_t(data.cells.size()));
     parallel_for(
         of_cell.size(), threads, {}, [&](std::size_t c) { of_cell[c] = search.nearest(data.cells.means[c]); }, 1024);
@@ -287,9 +291,9 @@ ResidualField measure_residuals(const AmlsSurface::Data& data, const AmlsProject
     ResidualField field = list_residuals(data, projected, places.moved, threads);
     field.window = window;
     const std::vector<Trial> trials = run_trials(data, field, places, threads);
-    const BestScale best = choose_best_scale(trials);
-    field.robust_scale = robust_scales[best.candidate];
-    const std::vector<float> shares = list_shares(trials, places, best);
+    const std::size_t candidate = choose_best_scale(trials);
+    field.robust_scale = robust_scales[candidate];
+    const std::vector<float> shares = list_shares(trials, places, candidate);
     if (std::all_of(shares.begin(), shares.end(), [](float share) { return share == 0; }))
         return {};
     for (const int t : places.of_cell)

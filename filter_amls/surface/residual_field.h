@@ -37,6 +37,7 @@ struct TrialPlaces
 
     std::vector<int> moved;            ///< Samples that were moved; each stride-th is a trial's place.
     std::size_t stride = 1, count = 0; ///< Count of trials.
+    std::vector<double> sigma;         ///< Per trial [length].
     std::size_t pooled = 0;            ///< Trials that share their verdict [count].
     std::vector<int> near;             ///< So many for each trial: the nearest, itself among them.
     std::vector<int> of_cell;          ///< The nearest trial, per cell.

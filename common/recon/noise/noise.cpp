@@ -61,11 +61,16 @@ double NoiseEstimate::spacing_at(const Point& query) const
 namespace
 {
 
-/// Reorders the values.
+/// Reorders the values. \param share of them that are smaller.
+double quantile_of(double* values, int count, double share)
+{
+    double* const at = values + std::ptrdiff_t(share * count);
+    std::nth_element(values, at, values + count);
+    return *at;
+}
 double middle_of(double* values, int count)
 {
-    std::nth_element(values, values + count / 2, values + count);
-    return values[count / 2];
+    return quantile_of(values, count, 0.5);
 }
 
 } // namespace
@@ -110,7 +115,12 @@ constexpr double settled_share = 0.2; // of the seeds; if fewer have settled, al
 constexpr double largest_excess = 1.2;
 constexpr double region_share = 0.2; // of the seeds
 constexpr int region_stride = 8;     // of its seeds so many that one is asked
-constexpr int stack_stride = 4;      // of the seeds so many that one is asked whether it is in a stack
+/// Where noises meet that differ by this factor, each of such a share of the places, the larger of so many spacings at
+/// least, the median is the noise of neither.
+constexpr double of_one_noise = 0.3, other_noise = 4, least_other_noise = 0.2;
+/// Spacings of noise beyond which places with less of it may be such whose neighbours all lie inside the noise.
+constexpr double most_noise_beside_less = 2;
+constexpr int stack_stride = 4; // of the seeds so many that one is asked whether it is in a stack
 /// Share of those asked around that must see a sheet: 0.04 do in thick noise, 0.4 to 0.85 in stacks.
 constexpr double stacked_share = 0.3;
 /// Both sheets of a plate count as one, and widths that follow from it keep them apart; so two of a stack do.
@@ -181,9 +191,41 @@ void take_noise_of_patches(const Points& seeds, const std::vector<LocalNoise>& r
     parallel_for(seeds.size(), threads, {}, take, 32);
 }
 
-/// Medians over the seeds around each: noise of the settled ones, at most somewhat more than that of the region but in
-/// noisy patches, where noisy seeds speak for noisy ones, or, where most see two sheets, that of each sheet; density of
-/// all. \param scale of the unit frame. \param samples the cloud.
+/// Noise of the region around a seed: two where noises meet, else their median.
+struct RegionNoise
+{
+    double less, more;
+};
+
+/// Reorders the values. \param spacing of the region.
+RegionNoise find_region_noise(double* sigma, int count, double spacing)
+{
+    const double less = quantile_of(sigma, count, of_one_noise), more = quantile_of(sigma, count, 1 - of_one_noise);
+    if (more > other_noise * less && more > least_other_noise * spacing)
+        return {less, more};
+    const double middle = middle_of(sigma, count);
+    return {middle, middle};
+}
+
+/// Exact places seldom settle, so that those around which have settled are noisy ones: where places with less noise by
+/// far are not rare they speak for each other.
+/// \param near the seeds around `seed`. \param sigma of the settled ones around. \returns the seed's.
+double noise_beside_noisier(const std::vector<LocalNoise>& raw, std::size_t seed, const int* near, int count,
+                            double sigma, double density)
+{
+    if (other_noise * raw[seed].sigma >= sigma || sigma * std::sqrt(density) > most_noise_beside_less)
+        return sigma;
+    std::array<double, smoothing_seeds> less;
+    int found = 0;
+    for (int k = 0; k < count; ++k)
+        if (const double value = raw[std::size_t(near[k])].sigma; other_noise * value < sigma)
+            less[found++] = value;
+    return found < of_one_noise * count ? sigma : middle_of(less.data(), found);
+}
+
+/// Medians over the seeds around each: noise of the settled ones or, beside noisier ones, of those like it; at most
+/// somewhat more than that of the region but in noisy patches, where noisy seeds speak for noisy ones; where most see
+/// two sheets, that of each sheet. Density of all. \param scale of the unit frame. \param samples the cloud.
 Pooled pool(const Points& samples, const BlockSearch& sample_search, const Points& seeds,
             const std::vector<LocalNoise>& raw, double scale, int threads)
 {
@@ -220,12 +262,17 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
                             const int of_settled = find(settled_search, i, smoothing_seeds);
                             result.sigma[i] = median_of(of_settled, [&](int k) { return raw[settled[k]].sigma; });
                             const int of_region = find(region_search, i, region);
-                            const double around = median_of(of_region, [&](int k) { return region_sigma[k]; });
                             const double dense = median_of(of_region, [&](int k) { return region_density[k]; });
-                            limit[i] = largest_excess * around;
+                            for (int k = 0; k < of_region; ++k)
+                                values[k] = region_sigma[near[k]];
+                            const RegionNoise around =
+                                find_region_noise(values.data(), of_region, 1 / std::sqrt(dense));
+                            limit[i] = largest_excess * around.more;
                             const int of_all = find(seed_search, i, smoothing_seeds);
                             result.density[i] = median_of(of_all, [&](int k) { return raw[k].density; });
-                            known[i] = {raw[i].sigma,         around,         1 / std::sqrt(raw[i].density),
+                            result.sigma[i] =
+                                noise_beside_noisier(raw, i, near.data(), of_all, result.sigma[i], result.density[i]);
+                            known[i] = {raw[i].sigma,         around.less,    1 / std::sqrt(raw[i].density),
                                         1 / std::sqrt(dense), raw[i].settled, raw[i].sheet_sigma >= 0};
                         }
                     });

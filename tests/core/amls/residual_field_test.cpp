@@ -121,6 +121,30 @@ TEST(ResidualField, NoiseAloneIsNotFollowed)
     }
 }
 
+TEST(ResidualField, NoiseIsNotFollowedBesideExactSamples)
+{
+    // What the exact half agrees on says nothing of the noisy one.
+    double before = 0, after = 0;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    {
+        const Points exact = shapes::torus(20000, 1, 0.4, seed).points;
+        const AmlsSurface surface = build_amls_surface(shapes::with_noise_beyond(0, exact, 0.02, seed + 10));
+        const UnitFrame& frame = surface.data().frame;
+        const auto rms_where_noisy = [&](const Points& moved)
+        {
+            Points noisy;
+            for (const Point& p : moved)
+                if (frame.from_unit(p).x() > 0.1)
+                    noisy.push_back(p);
+            return rms(noisy, &frame);
+        };
+        ASSERT_FALSE(surface.data().residuals.empty());
+        before += rms_where_noisy(project_samples(surface).points);
+        after += rms_where_noisy(surface.data().projected.points);
+    }
+    EXPECT_LT(after, 1.1 * before);
+}
+
 TEST(ResidualField, AnErrorOfTheSurfaceIsFound)
 {
     // What an error does to residuals, here made by moving the projected samples outward.
