@@ -120,7 +120,8 @@ constexpr int region_stride = 8;     // of its seeds so many that one is asked
 constexpr double of_one_noise = 0.3, other_noise = 4, least_other_noise = 0.2;
 /// Spacings of noise beyond which places with less of it may be such whose neighbours all lie inside the noise.
 constexpr double most_noise_beside_less = 2;
-constexpr int stack_stride = 4; // of the seeds so many that one is asked whether it is in a stack
+constexpr std::size_t asked_for_noise = 48; // places of which it is asked whether there is any noise
+constexpr int stack_stride = 4;             // of the seeds so many that one is asked whether it is in a stack
 /// Share of those asked around that must see a sheet: 0.04 do in thick noise, 0.4 to 0.85 in stacks.
 constexpr double stacked_share = 0.3;
 /// Both sheets of a plate count as one, and widths that follow from it keep them apart; so two of a stack do.
@@ -191,17 +192,31 @@ void take_noise_of_patches(const Points& seeds, const std::vector<LocalNoise>& r
     parallel_for(seeds.size(), threads, {}, take, 32);
 }
 
+/// Whether there is noise of that many spacings, told from detail of coarse exact clouds.
+bool has_noise(const Points& samples, const BlockSearch& search, const Points& seeds,
+               const std::vector<LocalNoise>& raw, int threads)
+{
+    std::vector<int> noisy;
+    for (int i = 0; i < int(raw.size()); ++i)
+        if (raw[i].settled && raw[i].sigma * std::sqrt(raw[i].density) > least_other_noise)
+            noisy.push_back(i);
+    Points asked;
+    for (std::size_t k = 0; k < noisy.size(); k += noisy.size() / asked_for_noise + 1)
+        asked.push_back(seeds[std::size_t(noisy[k])]);
+    return lie_in_noise(samples, search, asked, threads);
+}
+
 /// Noise of the region around a seed: two where noises meet, else their median.
 struct RegionNoise
 {
     double less, more;
 };
 
-/// Reorders the values. \param spacing of the region.
-RegionNoise find_region_noise(double* sigma, int count, double spacing)
+/// Reorders the values. \param spacing of the region. \param may_meet whether there is noise.
+RegionNoise find_region_noise(double* sigma, int count, double spacing, bool may_meet)
 {
     const double less = quantile_of(sigma, count, of_one_noise), more = quantile_of(sigma, count, 1 - of_one_noise);
-    if (more > other_noise * less && more > least_other_noise * spacing)
+    if (may_meet && more > other_noise * less && more > least_other_noise * spacing)
         return {less, more};
     const double middle = middle_of(sigma, count);
     return {middle, middle};
@@ -243,6 +258,7 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
     Pooled result{std::vector<double>(seeds.size()), std::vector<double>(seeds.size())};
     std::vector<double> limit(seeds.size());
     std::vector<SeedNoise> known(seeds.size());
+    const bool is_noisy = has_noise(samples, sample_search, seeds, raw, threads);
     const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
     parallel_chunks(seeds.size(), threads, 32, {},
                     [&](std::size_t begin, std::size_t end)
@@ -266,12 +282,13 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
                             for (int k = 0; k < of_region; ++k)
                                 values[k] = region_sigma[near[k]];
                             const RegionNoise around =
-                                find_region_noise(values.data(), of_region, 1 / std::sqrt(dense));
+                                find_region_noise(values.data(), of_region, 1 / std::sqrt(dense), is_noisy);
                             limit[i] = largest_excess * around.more;
                             const int of_all = find(seed_search, i, smoothing_seeds);
                             result.density[i] = median_of(of_all, [&](int k) { return raw[k].density; });
-                            result.sigma[i] =
-                                noise_beside_noisier(raw, i, near.data(), of_all, result.sigma[i], result.density[i]);
+                            if (is_noisy)
+                                result.sigma[i] = noise_beside_noisier(raw, i, near.data(), of_all, result.sigma[i],
+                                                                       result.density[i]);
                             known[i] = {raw[i].sigma,         around.less,    1 / std::sqrt(raw[i].density),
                                         1 / std::sqrt(dense), raw[i].settled, raw[i].sheet_sigma >= 0};
                         }

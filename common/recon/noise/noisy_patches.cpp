@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace recon
 {
@@ -42,6 +43,15 @@ bool looks_like_noise(const std::vector<SeedNoise>& noise, const int* near, int 
     return noisy >= least_share * count && settled >= settled_share * noisy && sheets <= sheets_share * noisy;
 }
 
+std::vector<double> measure_flat(const Points& samples, const BlockSearch& search, const Points& places, int threads)
+{
+    std::vector<double> flat(places.size());
+    parallel_for(
+        places.size(), threads, {},
+        [&](std::size_t k) { flat[k] = measure_flat_neighbours(samples, search, places[k]); }, 4);
+    return flat;
+}
+
 /// The noisy seeds beside those of a patch are of it: of a noisy seed at its rim half of the seeds around are clean.
 std::vector<char> add_rims(const NeighbourSearch& search, const Points& seeds, const std::vector<SeedNoise>& noise,
                            const std::vector<char>& middle, int threads)
@@ -72,6 +82,12 @@ bool exceeds_region(const SeedNoise& seed)
            seed.sigma > least_noise * seed.spacing && seed.spacing < most_sparse * seed.region_spacing;
 }
 
+bool lie_in_noise(const Points& samples, const BlockSearch& search, const Points& places, int threads)
+{
+    const std::vector<double> flat = measure_flat(samples, search, places, threads);
+    return !flat.empty() && std::accumulate(flat.begin(), flat.end(), 0.0) <= most_flat * double(flat.size());
+}
+
 std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& search, const Points& seeds,
                                      const std::vector<SeedNoise>& noise, int threads)
 {
@@ -100,10 +116,7 @@ std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& s
     for (std::size_t k = 0; k < noisy.size(); k += 2)
         if (result[std::size_t(noisy[k])])
             asked.push_back(seeds[std::size_t(noisy[k])]);
-    std::vector<double> flat(asked.size());
-    parallel_for(
-        asked.size(), threads, {}, [&](std::size_t k) { flat[k] = measure_flat_neighbours(samples, search, asked[k]); },
-        4);
+    const std::vector<double> flat = measure_flat(samples, search, asked, threads);
     const NeighbourSearch asked_search(asked);
     for (std::size_t i = 0; i < m; ++i)
     {

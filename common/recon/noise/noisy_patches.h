@@ -31,4 +31,8 @@ bool exceeds_region(const SeedNoise& seed);
 std::vector<char> find_noisy_patches(const Points& samples, const BlockSearch& search, const Points& seeds,
                                      const std::vector<SeedNoise>& noise, int threads);
 
+/// Whether the neighbours of these places lie as in noise, and not flat as those of coarse exact detail mostly do.
+/// False if there are none.
+bool lie_in_noise(const Points& samples, const BlockSearch& search, const Points& places, int threads);
+
 } // namespace recon
