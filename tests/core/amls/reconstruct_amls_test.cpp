@@ -20,10 +20,10 @@ namespace
 {
 constexpr double pi = 3.14159265358979323846;
 
-/// The sides of an egg crate of walls 2 thick, 10 apart, one exact sample a unit of area.
+/// The sides of an egg crate of walls 2.4 thick, 10 apart, one exact sample a unit of area.
 Points egg_crate(int cells)
 {
-    constexpr double pitch = 10, half_wall = 1, height = 10;
+    constexpr double pitch = 10, half_wall = 1.2, height = 10;
     shapes::Random random(5);
     const auto between = [&](double low, double high) { return low + (high - low) * shapes::uniform(random); };
     const double low = half_wall, high = pitch - half_wall, size = cells * pitch;
