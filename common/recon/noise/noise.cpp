@@ -115,9 +115,9 @@ constexpr double settled_share = 0.2; // of the seeds; if fewer have settled, al
 constexpr double largest_excess = 1.2;
 constexpr double region_share = 0.2; // of the seeds
 constexpr int region_stride = 8;     // of its seeds so many that one is asked
-/// Where noises meet that differ by this factor, each of such a share of the places, the larger of so many spacings at
-/// least, the median is the noise of neither.
-constexpr double of_one_noise = 0.3, other_noise = 4, least_other_noise = 0.2;
+/// Where noises meet that differ by this factor, each of such a share of the places, the median is the noise of
+/// neither.
+constexpr double of_one_noise = 0.3, other_noise = 4;
 /// Spacings of noise beyond which places with less of it may be such whose neighbours all lie inside the noise.
 constexpr double most_noise_beside_less = 2;
 constexpr std::size_t asked_for_noise = 48; // places of which it is asked whether there is any noise
@@ -192,13 +192,13 @@ void take_noise_of_patches(const Points& seeds, const std::vector<LocalNoise>& r
     parallel_for(seeds.size(), threads, {}, take, 32);
 }
 
-/// Whether there is noise of that many spacings, told from detail of coarse exact clouds.
+/// Whether there is noise, told from detail of coarse exact clouds.
 bool has_noise(const Points& samples, const BlockSearch& search, const Points& seeds,
                const std::vector<LocalNoise>& raw, int threads)
 {
     std::vector<int> noisy;
     for (int i = 0; i < int(raw.size()); ++i)
-        if (raw[i].settled && raw[i].sigma * std::sqrt(raw[i].density) > least_other_noise)
+        if (raw[i].settled && raw[i].sigma * std::sqrt(raw[i].density) > least_noise_told)
             noisy.push_back(i);
     Points asked;
     for (std::size_t k = 0; k < noisy.size(); k += noisy.size() / asked_for_noise + 1)
@@ -216,7 +216,7 @@ struct RegionNoise
 RegionNoise find_region_noise(double* sigma, int count, double spacing, bool may_meet)
 {
     const double less = quantile_of(sigma, count, of_one_noise), more = quantile_of(sigma, count, 1 - of_one_noise);
-    if (may_meet && more > other_noise * less && more > least_other_noise * spacing)
+    if (may_meet && more > other_noise * less && more > least_noise_told * spacing)
         return {less, more};
     const double middle = middle_of(sigma, count);
     return {middle, middle};
@@ -258,41 +258,51 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
     Pooled result{std::vector<double>(seeds.size()), std::vector<double>(seeds.size())};
     std::vector<double> limit(seeds.size());
     std::vector<SeedNoise> known(seeds.size());
-    const bool is_noisy = has_noise(samples, sample_search, seeds, raw, threads);
+    std::vector<char> meets(seeds.size());
     const NeighbourSearch seed_search(seeds), settled_search(settled_seeds), region_search(region_seeds);
-    parallel_chunks(seeds.size(), threads, 32, {},
-                    [&](std::size_t begin, std::size_t end)
-                    {
-                        std::vector<int> near(region);
-                        std::vector<double> squared(region), values(region);
-                        const auto median_of = [&](int count, auto value)
+    const auto pool_each = [&](bool may_meet)
+    {
+        parallel_chunks(seeds.size(), threads, 32, {},
+                        [&](std::size_t begin, std::size_t end)
                         {
-                            for (int k = 0; k < count; ++k)
-                                values[k] = value(near[k]);
-                            return middle_of(values.data(), count);
-                        };
-                        const auto find = [&](const NeighbourSearch& search, std::size_t seed, int wanted)
-                        { return search.nearest(seeds[seed], wanted, near.data(), squared.data()); };
-                        for (std::size_t i = begin; i < end; ++i)
-                        {
-                            const int of_settled = find(settled_search, i, smoothing_seeds);
-                            result.sigma[i] = median_of(of_settled, [&](int k) { return raw[settled[k]].sigma; });
-                            const int of_region = find(region_search, i, region);
-                            const double dense = median_of(of_region, [&](int k) { return region_density[k]; });
-                            for (int k = 0; k < of_region; ++k)
-                                values[k] = region_sigma[near[k]];
-                            const RegionNoise around =
-                                find_region_noise(values.data(), of_region, 1 / std::sqrt(dense), is_noisy);
-                            limit[i] = largest_excess * around.more;
-                            const int of_all = find(seed_search, i, smoothing_seeds);
-                            result.density[i] = median_of(of_all, [&](int k) { return raw[k].density; });
-                            if (is_noisy)
-                                result.sigma[i] = noise_beside_noisier(raw, i, near.data(), of_all, result.sigma[i],
-                                                                       result.density[i]);
-                            known[i] = {raw[i].sigma,         around.less,    1 / std::sqrt(raw[i].density),
-                                        1 / std::sqrt(dense), raw[i].settled, raw[i].sheet_sigma >= 0};
-                        }
-                    });
+                            std::vector<int> near(region);
+                            std::vector<double> squared(region), values(region);
+                            const auto median_of = [&](int count, auto value)
+                            {
+                                for (int k = 0; k < count; ++k)
+                                    values[k] = value(near[k]);
+                                return middle_of(values.data(), count);
+                            };
+                            const auto find = [&](const NeighbourSearch& search, std::size_t seed, int wanted)
+                            { return search.nearest(seeds[seed], wanted, near.data(), squared.data()); };
+                            for (std::size_t i = begin; i < end; ++i)
+                            {
+                                const int of_settled = find(settled_search, i, smoothing_seeds);
+                                result.sigma[i] = median_of(of_settled, [&](int k) { return raw[settled[k]].sigma; });
+                                const int of_region = find(region_search, i, region);
+                                const double dense = median_of(of_region, [&](int k) { return region_density[k]; });
+                                for (int k = 0; k < of_region; ++k)
+                                    values[k] = region_sigma[near[k]];
+                                const RegionNoise around =
+                                    find_region_noise(values.data(), of_region, 1 / std::sqrt(dense), may_meet);
+                                limit[i] = largest_excess * around.more;
+                                const int of_all = find(seed_search, i, smoothing_seeds);
+                                result.density[i] = median_of(of_all, [&](int k) { return raw[k].density; });
+                                const double of_settled_ones = result.sigma[i];
+                                if (may_meet)
+                                    result.sigma[i] = noise_beside_noisier(raw, i, near.data(), of_all, of_settled_ones,
+                                                                           result.density[i]);
+                                meets[i] = around.less < around.more || result.sigma[i] < of_settled_ones;
+                                known[i] = {raw[i].sigma,         around.less,    1 / std::sqrt(raw[i].density),
+                                            1 / std::sqrt(dense), raw[i].settled, raw[i].sheet_sigma >= 0};
+                            }
+                        });
+    };
+    pool_each(true);
+    // Asked last, since it takes triangulations, and in most clouds no noises meet.
+    if (std::find(meets.begin(), meets.end(), 1) != meets.end() &&
+        !has_noise(samples, sample_search, seeds, raw, threads))
+        pool_each(false);
     const std::vector<char> noisy_patch = find_noisy_patches(samples, sample_search, seeds, known, threads);
     take_noise_of_patches(seeds, raw, settled, known, noisy_patch, threads, result.sigma);
     const auto limit_sigma = [&](std::size_t i)

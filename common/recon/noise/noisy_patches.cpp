@@ -15,7 +15,6 @@ namespace
 
 constexpr int asked_seeds = 21;
 constexpr double least_excess = 2.5; // times the region's noise
-constexpr double least_noise = 0.2;  // spacings: coarse clean clouds have less at most places
 /// Noise of the region above which nothing is told [spacings]: what is thinner than some of it, such as claws, then
 /// looks like thicker noise in all of this.
 constexpr double most_around = 0.4;
@@ -79,7 +78,7 @@ std::vector<char> add_rims(const NeighbourSearch& search, const Points& seeds, c
 bool exceeds_region(const SeedNoise& seed)
 {
     return seed.region < most_around * seed.spacing && seed.sigma > least_excess * seed.region &&
-           seed.sigma > least_noise * seed.spacing && seed.spacing < most_sparse * seed.region_spacing;
+           seed.sigma > least_noise_told * seed.spacing && seed.spacing < most_sparse * seed.region_spacing;
 }
 
 bool lie_in_noise(const Points& samples, const BlockSearch& search, const Points& places, int threads)

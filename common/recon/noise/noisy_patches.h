@@ -8,6 +8,9 @@
 namespace recon
 {
 
+/// Less noise is no news: coarse clean clouds read as having that at most places [spacings].
+constexpr double least_noise_told = 0.2;
+
 /// What is known of the noise at a seed.
 struct SeedNoise
 {
