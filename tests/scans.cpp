@@ -52,7 +52,8 @@ OrientedSamples depth_frame(int columns, double step, std::uint64_t seed)
     return frame;
 }
 
-OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed, const Point& place)
+OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed, const Point& place,
+                           const std::vector<recon::Box>& boxes)
 {
     Random random(seed);
     const double step = 2 * pi / around, radius = 0.5;
@@ -81,6 +82,27 @@ OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t
             {
                 range = along - std::sqrt(under);
                 normal = (range * ray - ball).normalized();
+            }
+            for (const recon::Box& box : boxes)
+            {
+                double enters = 0, leaves = 1e300;
+                int through = 0;
+                for (int axis = 0; axis < 3; ++axis)
+                {
+                    const double one = (box.minimum[axis] - place[axis]) / ray[axis],
+                                 other = (box.maximum[axis] - place[axis]) / ray[axis];
+                    leaves = std::min(leaves, std::max(one, other));
+                    if (std::min(one, other) > enters)
+                    {
+                        enters = std::min(one, other);
+                        through = axis;
+                    }
+                }
+                if (enters > 0 && enters < std::min(leaves, range))
+                {
+                    range = enters;
+                    normal = Vector::Unit(through) * (ray[through] < 0 ? 1 : -1);
+                }
             }
             if (!in_room && range > 4)
                 continue;

@@ -4,6 +4,7 @@
 #include <recon/geometry.h>
 
 #include <cstdint>
+#include <vector>
 
 namespace shapes
 {
@@ -16,9 +17,10 @@ recon::OrientedSamples depth_frame(int columns, double step, std::uint64_t seed)
 /// What a laser scanner, which turns about z, sees of a ball of radius 0.5 two away from the origin on a floor 1.5
 /// below, up to four away or as far as the walls and the ceiling of a room. \param around rays of a turn; a third as
 /// many over the other angle, 120 degrees. \param noise standard deviation of ranges, nearly Gaussian. \param place
-/// where it stands.
+/// where it stands. \param boxes that stand there, too.
 recon::OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t seed,
-                                  const recon::Point& place = recon::Point::Zero());
+                                  const recon::Point& place = recon::Point::Zero(),
+                                  const std::vector<recon::Box>& boxes = {});
 
 /// Such scans from several places, one after the other.
 recon::OrientedSamples laser_scans(int around, double noise, bool in_room, std::uint64_t seed,

@@ -47,6 +47,29 @@ double angle_between(const Vector& a, const Vector& b)
     return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
 }
 
+/// Whether the crust leaves each sample out. \param farthest from a vertex [mean distance of the six nearest samples].
+std::vector<char> find_left_out(const CrustNormals& crust, double farthest, const Points& samples,
+                                const BlockSearch& search, int threads)
+{
+    std::vector<char> is_left_out(samples.size());
+    if (!std::isfinite(farthest))
+        return is_left_out;
+    parallel_for(
+        samples.size(), threads, {},
+        [&](std::size_t i)
+        {
+            std::array<int, around> indices;
+            std::array<double, around> squared;
+            const int count = search.nearest(samples[i], around, indices.data(), squared.data());
+            double spacing = 0;
+            for (int k = 0; k < count; ++k)
+                spacing += std::sqrt(squared[std::size_t(k)]) / (count - 1);
+            is_left_out[i] = crust.distances[i] > farthest * spacing;
+        },
+        1024);
+    return is_left_out;
+}
+
 /// How closely a surface passes by exact samples.
 class Passing
 {
@@ -175,9 +198,11 @@ private:
 } // namespace
 
 int take_normals_of_exact_crust(const LabelledSamples& found, const CrustNormals& crust, const Points& points,
-                                const AmlsProjection& surface, int threads, Vectors& normals, const Progress& progress)
+                                const AmlsProjection& surface, double farthest, int threads, Vectors& normals,
+                                const Progress& progress)
 {
     const BlockSearch search(found.samples, threads);
+    const std::vector<char> is_left_out = find_left_out(crust, farthest, found.samples, search, threads);
     const Points unit = found.frame.to_unit(points);
     const NearestSamples nearest =
         find_nearest_samples(unit, found.samples, search, threads, progress.part(0, 0.5, "normals"));
@@ -192,7 +217,10 @@ int take_normals_of_exact_crust(const LabelledSamples& found, const CrustNormals
     return replace(normals, threads, progress.part(0.5, 1, "normals"),
                    [&](std::size_t i) -> Vector
                    {
-                       const Vector& normal = crust.normals[std::size_t(nearest.sample[i])];
+                       const auto sample = std::size_t(nearest.sample[i]);
+                       if (is_left_out[sample])
+                           return Vector::Zero();
+                       const Vector& normal = crust.normals[sample];
                        const double angle = angle_between(normal, normals[i]);
                        const bool is_better =
                            angle > most || (angle >= least && passing.at(nearest.sample[i]) > rounded);
@@ -201,9 +229,10 @@ int take_normals_of_exact_crust(const LabelledSamples& found, const CrustNormals
 }
 
 int take_normals_beside_crust(const LabelledSamples& found, const CrustNormals& crust, const Points& points,
-                              int threads, Vectors& normals, const Progress& progress)
+                              double farthest, int threads, Vectors& normals, const Progress& progress)
 {
     const BlockSearch search(found.samples, threads);
+    const std::vector<char> is_left_out = find_left_out(crust, farthest, found.samples, search, threads);
     const std::vector<char> is_plain = find_plain_samples(found.samples, crust.normals, search, threads);
     const Points unit = found.frame.to_unit(points);
     const NearestSamples nearest =
@@ -211,19 +240,19 @@ int take_normals_beside_crust(const LabelledSamples& found, const CrustNormals& 
     const TriangleTree tree(crust.crust.vertices, crust.crust.triangles);
     const MeshNormals crust_normals(crust.crust);
     const double most_cosine = std::cos(agreeing_beside);
-    return replace(normals, threads, progress.part(0.3, 1, "normals"),
-                   [&](std::size_t i) -> Vector
-                   {
-                       const auto sample = std::size_t(nearest.sample[i]);
-                       if (is_plain[sample] && crust.normals[sample].dot(normals[i]) > most_cosine)
-                           return Vector::Zero();
-                       const TriangleTree::Nearest on_crust = tree.nearest(unit[i]);
-                       const Vector normal = crust_normals.at(on_crust.place, on_crust.triangle);
-                       const double cosine = normal.dot(normals[i]);
-                       return cosine < 0 || (cosine < most_cosine && !crust_normals.is_lid(on_crust.triangle))
-                                  ? normal
-                                  : Vector::Zero();
-                   });
+    return replace(
+        normals, threads, progress.part(0.3, 1, "normals"),
+        [&](std::size_t i) -> Vector
+        {
+            const auto sample = std::size_t(nearest.sample[i]);
+            if (is_left_out[sample] || (is_plain[sample] && crust.normals[sample].dot(normals[i]) > most_cosine))
+                return Vector::Zero();
+            const TriangleTree::Nearest on_crust = tree.nearest(unit[i]);
+            const Vector normal = crust_normals.at(on_crust.place, on_crust.triangle);
+            const double cosine = normal.dot(normals[i]);
+            return cosine < 0 || (cosine < most_cosine && !crust_normals.is_lid(on_crust.triangle)) ? normal
+                                                                                                    : Vector::Zero();
+        });
 }
 
 } // namespace recon

@@ -14,14 +14,15 @@ namespace recon
 /// crust through exact points those of its vertices: it has edges and spikes that the surface rounds. But it is rough
 /// where these have noise of a hundredth of their spacing, so it has a say only where the surface passes by the point
 /// or those around. \param surface of the points, projected. \param normals of the points; some are
-/// replaced. \returns how many. \throws Cancelled.
+/// replaced. \param farthest samples farther from the crust are left out by it, so it has no say of points nearest to
+/// them [mean distance of the six nearest samples]; may be infinite. \returns how many. \throws Cancelled.
 int take_normals_of_exact_crust(const LabelledSamples& found, const CrustNormals& crust, const Points& points,
-                                const AmlsProjection& surface, int threads, Vectors& normals,
+                                const AmlsProjection& surface, double farthest, int threads, Vectors& normals,
                                 const Progress& progress = {});
 
 /// The same of a crust through samples of the surface: those of its nearest place. The nearest sample of a point may
 /// lie beyond an edge, and at thin parts on the other side.
 int take_normals_beside_crust(const LabelledSamples& found, const CrustNormals& crust, const Points& points,
-                              int threads, Vectors& normals, const Progress& progress = {});
+                              double farthest, int threads, Vectors& normals, const Progress& progress = {});
 
 } // namespace recon

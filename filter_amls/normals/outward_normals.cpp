@@ -13,6 +13,7 @@
 #include <recon/parallel.h>
 #include <recon/scan/viewpoint.h>
 
+#include <limits>
 #include <optional>
 
 namespace recon
@@ -23,6 +24,10 @@ namespace
 /// Share of violated votes above which the crust's sides are not trusted: up to 0.045 on coarse exact clouds they are
 /// better than those of the AMLS surface, at 0.08 worse; 0.016 and 0.057 on noisy ones.
 constexpr double trusted_votes = 0.05;
+/// How far from the samples a crust may be to have a say where scanners stand within [spacings]: it leaves out things
+/// whose back nobody saw, and closes their shadows by faces of any direction. Of thin parts that it leaves out else it
+/// often knows the side.
+constexpr double farthest_of_scans = 2;
 
 /// A crust through the points or, if these are noisy, through samples of their surface.
 struct TrustedCrust
@@ -111,38 +116,36 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     };
     const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.5, "AMLS surface"));
     project(surface, progress.part(0.5, 0.6, "AMLS projection"));
-    if (!result.surface.seen_from.empty())
+    if (result.surface.open && !result.surface.seen_from.empty())
         return result;
-    const auto trusted = find_trusted_crust(points, surface, options.noise > 0, threads, progress.part(0.6, 0.9));
-    if (!trusted)
-        return result;
-    const auto& [found, crust, noise_between] = *trusted;
-    if (noise_between > 0)
+    // A room is closed around its scanners, and its walls face these, as all that anything sees does.
+    const Viewpoints within = result.surface.open
+                                  ? Viewpoints()
+                                  : find_viewpoints(points, threads, progress.part(0.6, 0.64, "Places of scanners"));
+    if (const auto trusted = find_trusted_crust(points, surface, options.noise > 0, threads, progress.part(0.64, 0.9)))
     {
-        AmlsOptions wider = options;
-        wider.noise = noise_between;
-        project(build_amls_surface(points, wider, progress.part(0.9, 0.94, "AMLS surface"), {}, &surface),
-                progress.part(0.94, 0.95, "AMLS projection"));
-        result.lies_between_sheets = true;
+        const auto& [found, crust, noise_between] = *trusted;
+        if (noise_between > 0)
+        {
+            AmlsOptions wider = options;
+            wider.noise = noise_between;
+            project(build_amls_surface(points, wider, progress.part(0.9, 0.94, "AMLS surface"), {}, &surface),
+                    progress.part(0.94, 0.95, "AMLS projection"));
+            result.lies_between_sheets = true;
+        }
+        result.is_exact = found.is_exact;
+        result.surface.open = false; // as it looked
+        const double farthest = within.empty() ? std::numeric_limits<double>::infinity() : farthest_of_scans;
+        const Progress last = progress.part(0.95, 1, "normals");
+        result.of_crust =
+            found.is_exact
+                ? take_normals_of_exact_crust(found, crust, points, projected, farthest, threads, result.normals, last)
+                : take_normals_beside_crust(found, crust, points, farthest, threads, result.normals, last);
     }
-    result.is_exact = found.is_exact;
-    result.surface.open = false; // as it looked
-    const Progress last = progress.part(0.95, 1, "normals");
-    result.of_crust = found.is_exact
-                          ? take_normals_of_exact_crust(found, crust, points, projected, threads, result.normals, last)
-                          : take_normals_beside_crust(found, crust, points, threads, result.normals, last);
+    result.surface.seen_from = within.places();
+    if (!within.empty())
+        face_cameras(within, points, result.normals, threads);
     return result;
-}
-
-/// A room is closed around its scanners, and its walls face these, as all that anything sees does.
-void face_scanners_within(const Points& points, OutwardNormals& found, int threads, const Progress& progress)
-{
-    if (found.surface.open)
-        return;
-    const Viewpoints viewpoints = find_viewpoints(points, threads, progress);
-    found.surface.seen_from = viewpoints.places();
-    if (!viewpoints.empty())
-        face_cameras(viewpoints, points, found.normals, threads);
 }
 
 /// Few points that all lie on their convex hull face away from what is within: long faces, as a cone's, look like
@@ -165,8 +168,7 @@ void face_out_of_hull(const Points& points, OutwardNormals& found)
 OutwardNormals find_outward_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
 {
     const ThreadTeam team;
-    OutwardNormals found = find_normals(points, options, progress.part(0, 0.95));
-    face_scanners_within(points, found, resolve_threads(options.threads), progress.part(0.95, 1, "Places of scanners"));
+    OutwardNormals found = find_normals(points, options, progress);
     if (found.surface.seen_from.empty() && options.noise == 0)
         face_out_of_hull(points, found);
     return found;

@@ -67,17 +67,18 @@ CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labe
     const Vectors vertex_normals = weigh_by_sides(result.crust);
     const BlockSearch search(result.crust.vertices);
     result.normals.resize(samples.size());
-    std::vector<char> is_missed(samples.size());
+    result.distances.resize(samples.size());
     parallel_for(
         samples.size(), threads, {},
         [&](std::size_t i)
         {
             const auto v = std::size_t(search.nearest(samples[i]));
             result.normals[i] = vertex_normals[v];
-            is_missed[i] = (result.crust.vertices[v] - samples[i]).norm() > 0.5 * labelled.spacing;
+            result.distances[i] = (result.crust.vertices[v] - samples[i]).norm();
         },
         1024);
-    result.missed = int(std::count(is_missed.begin(), is_missed.end(), 1));
+    result.missed = int(std::count_if(result.distances.begin(), result.distances.end(),
+                                      [&](double distance) { return distance > 0.5 * labelled.spacing; }));
     return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <vector>
 
 namespace recon
 {
@@ -14,8 +15,9 @@ namespace recon
 struct CrustNormals
 {
     TriangleMesh crust;
-    Vectors normals; ///< Outward, of unit length; zero where the crust has none.
-    int missed = 0;  ///< Samples over half a spacing from every vertex, as where walls were filled [count].
+    Vectors normals;               ///< Outward, of unit length; zero where the crust has none.
+    std::vector<double> distances; ///< From each sample to the nearest vertex [length].
+    int missed = 0; ///< Samples over half a spacing from every vertex, as where walls were filled [count].
 };
 
 /// Normals of the vertices of a closed mesh, of unit length or zero: sums of what the faces at each contribute. One
