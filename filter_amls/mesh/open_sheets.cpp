@@ -31,6 +31,9 @@ constexpr double other_thickness = 4;
 /// and lid, and backs would have no room [spacings].
 constexpr std::size_t least_body = 100;
 constexpr double thinnest_body = 3;
+/// Of a body that is all there is, bare share of the area up to which no part of it is open: what it leaves out are
+/// sheets within. Sheets closed by a lid as thick have 0.4.
+constexpr double bare_alone = 0.05;
 /// Above this a slab, which has twice as many, takes too much memory [samples].
 constexpr std::size_t most_backed = 1'000'000;
 
@@ -78,9 +81,10 @@ bool is_all_seen(const TriangleMesh& mesh, const Points& samples)
 std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, double spacing, int threads)
 {
     std::vector<double> is_open(samples.size(), 1);
-    const MeshComponents components = find_components(crust);
-    if (components.count < 2)
+    if (crust.triangles.empty())
         return is_open;
+    const MeshComponents components = find_components(crust);
+    const double most_bare = components.count > 1 ? bare_lid : bare_alone;
     std::vector<std::vector<std::array<int, 3>>> bodies(std::size_t(components.count));
     for (std::size_t i = 0; i < crust.triangles.size(); ++i)
         bodies[std::size_t(components.of_triangle[i])].push_back(crust.triangles[i]);
@@ -91,7 +95,7 @@ std::vector<double> mark_open(const TriangleMesh& crust, const Points& samples, 
     {
         body.triangles = std::move(triangles);
         is_closed.push_back(body.triangles.size() >= least_body && measure_thickness(body) >= thinnest_body * spacing &&
-                            measure_bare_area(samples, body, threads) <= bare_lid);
+                            measure_bare_area(samples, body, threads) <= most_bare);
     }
     const BlockSearch search(crust.vertices);
     for (std::size_t i = 0; i < samples.size(); ++i)
@@ -134,6 +138,8 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
         return {};
     LostSheets open{mark_open(lidded.crust, samples, lidded.spacing, options.threads)};
     open.share = std::accumulate(open.around.begin(), open.around.end(), 0.0) / double(samples.size());
+    if (open.share == 0)
+        return {};
     Slab best = make_slab(samples, normals, open, usual_thickness, options, times, progress.part(0, 0.6));
     // Gaps between random samples can be tunnels through it, but hardly through both. What lacks parts, as foliage, has
     // dozens through either.

@@ -287,6 +287,26 @@ TEST(NoisyPowerCrust, AFinIsKeptThoughItsSlabHasAHandle)
     EXPECT_LT(measure_missed_points(ball.fin_points(), crust.mesh), 0.05); // 0.8 without
 }
 
+// Which was hollowed out by a back behind all of it (0.56 and 0.43 of its volume): its sheet has an inside on both
+// sides.
+TEST(NoisyPowerCrust, ABallWithASheetWithinIsNoOpenSheet)
+{
+    for (const std::uint64_t seed : {1, 2})
+    {
+        Points points = shapes::sphere(8000, 1, seed).points;
+        const auto ring = [](double u, double v)
+        {
+            const double radius = std::sqrt(0.16 + 0.75 * u), angle = 2 * M_PI * v;
+            return Point(radius * std::cos(angle), radius * std::sin(angle), 0.3);
+        };
+        for (const Point& p : shapes::sheet(1500, ring, seed + 20).points)
+            points.push_back(p);
+        const NoisyPowerCrust crust = reconstruct_noisy_power_crust(points);
+        EXPECT_EQ(crust.genus, 0) << seed;
+        EXPECT_NEAR(checks::examine_mesh(crust.mesh).volume, 4 * M_PI / 3, 0.05 * 4 * M_PI / 3) << seed;
+    }
+}
+
 TEST(NoisyPowerCrust, OpenSheetsOfExactPointsKeepThem)
 {
     open_sheets::expect_exact_points_kept(reconstruct_opened);
