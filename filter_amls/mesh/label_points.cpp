@@ -174,12 +174,12 @@ std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const P
 }
 
 /// How far the crust of the labels and the points part.
-double measure_mismatch(const LabelledSamples& found, const Points& points, int threads)
+Mismatch measure_mismatch(const LabelledSamples& found, const Points& points, int threads)
 {
     const LabelledBalls& labelled = found.labelled;
     const TriangleMesh crust =
         triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
-    return measure_mismatch(found.frame.to_unit(points), crust, threads).sum();
+    return measure_mismatch(found.frame.to_unit(points), crust, threads);
 }
 
 /// The distinct points, but for isolated ones.
@@ -331,12 +331,12 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     times.begin("mismatch");
     // Without copies, which would leave points without a spacing.
     const Points distinct = points_at(surface.data().spatial.order, points);
-    const double mismatch = measure_mismatch(exact, distinct, labelling.threads);
+    const Mismatch mismatch = measure_mismatch(exact, distinct, labelling.threads);
     const bool has_lost_sheets =
         violated > open_behind &&
         find_lost_sheets(exact.samples, exact.labelled, false, labelling.threads, progress.part(0, 0)).largest >
             bearable_lost;
-    if (mismatch <= bearable_mismatch && !has_lost_sheets)
+    if (mismatch.missed_points <= bearable_miss && mismatch.sum() <= bearable_mismatch && !has_lost_sheets)
         return exact;
     LabelledSamples projected =
         label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress);
@@ -345,7 +345,7 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     const bool is_better = has_lost_sheets && projected.lost_sheets > 0
                                ? projected.labelled.violated_votes <= clearly_backed * violated
                                : projected.labelled.violated_votes < violated &&
-                                     measure_mismatch(projected, distinct, labelling.threads) < mismatch;
+                                     measure_mismatch(projected, distinct, labelling.threads).sum() < mismatch.sum();
     return is_better ? std::move(projected) : std::move(exact);
 }
 

@@ -116,7 +116,7 @@ OutwardNormals find_normals(const Points& points, const AmlsOptions& options, co
     };
     const AmlsSurface surface = build_amls_surface(points, options, progress.part(0, 0.5, "AMLS surface"));
     project(surface, progress.part(0.5, 0.6, "AMLS projection"));
-    if (result.surface.open && !result.surface.seen_from.empty())
+    if (!result.surface.seen_from.empty())
         return result;
     // A room is closed around its scanners, and its walls face these, as all that anything sees does.
     const Viewpoints within = result.surface.open
