@@ -5,6 +5,7 @@
 #include <recon/parallel.h>
 #include <recon/search/block_search.h>
 #include <recon/search/nearest_samples.h>
+#include <recon/search/neighbours.h>
 
 #include <Eigen/Geometry>
 
@@ -56,16 +57,7 @@ std::vector<char> find_left_out(const CrustNormals& crust, double farthest, cons
         return is_left_out;
     parallel_for(
         samples.size(), threads, {},
-        [&](std::size_t i)
-        {
-            std::array<int, around> indices;
-            std::array<double, around> squared;
-            const int count = search.nearest(samples[i], around, indices.data(), squared.data());
-            double spacing = 0;
-            for (int k = 0; k < count; ++k)
-                spacing += std::sqrt(squared[std::size_t(k)]) / (count - 1);
-            is_left_out[i] = crust.distances[i] > farthest * spacing;
-        },
+        [&](std::size_t i) { is_left_out[i] = crust.distances[i] > farthest * measure_spacing_at(samples[i], search); },
         1024);
     return is_left_out;
 }
