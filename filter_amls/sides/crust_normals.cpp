@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
 
 namespace recon
 {
@@ -77,8 +76,6 @@ CrustNormals list_crust_normals(const Points& samples, const LabelledBalls& labe
             result.distances[i] = (result.crust.vertices[v] - samples[i]).norm();
         },
         1024);
-    result.missed = int(std::count_if(result.distances.begin(), result.distances.end(),
-                                      [&](double distance) { return distance > 0.5 * labelled.spacing; }));
     return result;
 }
 

@@ -17,7 +17,6 @@ struct CrustNormals
     TriangleMesh crust;
     Vectors normals;               ///< Outward, of unit length; zero where the crust has none.
     std::vector<double> distances; ///< From each sample to the nearest vertex [length].
-    int missed = 0; ///< Samples over half a spacing from every vertex, as where walls were filled [count].
 };
 
 /// Normals of the vertices of a closed mesh, of unit length or zero: sums of what the faces at each contribute. One

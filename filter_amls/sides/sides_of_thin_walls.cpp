@@ -4,6 +4,7 @@
 #include <recon/mesh/crust_mesh.h>
 #include <recon/mesh/mismatch.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,6 +18,8 @@ namespace
 constexpr double mixed_sides = 0.012;
 /// Share of samples that the crust misses above which it has filled walls: 0.08 to 0.3 then, else 0.009 at most.
 constexpr double missed_share = 0.01;
+/// From its nearest vertex, that a sample is missed [spacings].
+constexpr double missed_from = 0.5;
 /// Share of points that both must turn differently, or the cells stay as they are: 0.1 to 0.5 where these mix both
 /// sides; below it neither is better for certain.
 constexpr double different_sides = 0.09;
@@ -53,7 +56,9 @@ std::optional<Vectors> find_sides_of_thin_walls(const Points& points, const Cell
     int different = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
         different += crust.normals[i].dot(cell_normals[std::size_t(cells.cell_of_point[i])]) < 0;
-    if (crust.missed > missed_share * count || different <= different_sides * count)
+    const auto missed = std::count_if(crust.distances.begin(), crust.distances.end(),
+                                      [&](double distance) { return distance > missed_from * made->labelled.spacing; });
+    if (double(missed) > missed_share * count || different <= different_sides * count)
         return {};
     if (open && (measure_thickness(crust.crust) < least_thickness * made->labelled.spacing ||
                  measure_bare_area(points, crust.crust, threads) > bare_lid))

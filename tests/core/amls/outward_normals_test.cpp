@@ -348,8 +348,8 @@ TEST(OutwardNormals, OfALaserScanFaceItsScanner)
         }
 }
 
-// The crust leaves its top out, since nobody saw it from below, and closes its shadow; .9974 and .9976 were right by
-// it.
+// The crust leaves its top out, since nobody saw it from below, and closes its shadow: by that .9974 and .9976 were
+// right.
 TEST(OutwardNormals, OfATableInARoomAreNotThoseOfItsShadow)
 {
     const std::vector<Box> table = {{{0.8, -0.5, -0.8}, {1.6, 0.5, -0.75}}, {{1.15, -0.05, -1.5}, {1.25, 0.05, -0.8}}};
