@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 
-
 namespace recon
 {
 namespace
