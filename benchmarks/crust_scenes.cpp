@@ -1,11 +1,12 @@
 // Scenes over a floor, ray-cast: tables, chairs, shelves, balls, boxes, seen by one to five scanners around or above.
-// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]]
-// One Markdown row a scene: share of samples whose normal is right (filter "Compute normals"), and share that a crust
-// reaches within 2.5 spacings and faces as they do, by the power crust and by AMLS's reconstruction, both with open
-// holes. Odd seeds are turned at random, so that no axis is up. A depth camera sees the scene from one place, half of
-// them before a wall, in pixels whose depth is a whole number of steps that grow with its square; odd seeds are in its
-// own coordinates. So are those of a laser scanner, which stands in the middle and turns, half of them in a room. Of
-// several stations each has half the rays, and sweep follows sweep, in the room's coordinates.
+// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]] [--beams n]
+// One Markdown row a scene: share of samples whose normal is right (filter "Compute normals"), by how many degrees it
+// is off on average, and share that a crust reaches within 2.5 spacings and faces as they do, by the power crust and by
+// AMLS's reconstruction, both with open holes. Odd seeds are turned at random, so that no axis is up. A depth camera
+// sees the scene from one place, half of them before a wall, in pixels whose depth is a whole number of steps that grow
+// with its square; odd seeds are in its own coordinates. So are those of a laser scanner, which stands in the middle
+// and turns, half of them in a room. Of several stations each has half the rays, and sweep follows sweep, in the room's
+// coordinates. Of beams, in place of rows, there are few, over 45 degrees, each of which reads every fifth of a degree.
 #include "filter_amls/mesh/reconstruct_amls.h"
 #include "filter_amls/normals/outward_normals.h"
 #include "filter_noisy_powercrust/reconstruct.h"
@@ -234,9 +235,10 @@ OrientedSamples take_frame(Scene& scene, unsigned seed, int& things, double& spa
     return result;
 }
 
-/// The same by a laser scanner. \param stations where it stands in turn. \param spacing of its rays at the median
+/// The same by a laser scanner. \param stations where it stands in turn. \param beams 0 = as far apart as readings of
+/// a row. \param spacing of its rays at the median
 /// range, written.
-OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int& things, double& spacing)
+OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int beams, int& things, double& spacing)
 {
     const double length = scene.draw(2.5, 5), width = scene.draw(2.5, 5), height = scene.draw(1.2, 1.8);
     things = add_things(scene, length, width, 1.5);
@@ -255,7 +257,9 @@ OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int& things, do
     }
     const MeshDistance surface(scene.mesh);
     Points eyes{{0, 0, height}};
-    const double step = scene.draw(0.35, 0.6) * pi / 180 * (stations > 1 ? std::sqrt(2.0) : 1),
+    const double even = scene.draw(0.35, 0.6) * pi / 180 * (stations > 1 ? std::sqrt(2.0) : 1),
+                 step = beams > 0 ? 0.2 * pi / 180 : even, across = beams > 0 ? pi / 4 / beams : even,
+                 lowest = beams > 0 ? -pi / 6 : -pi / 3, highest = beams > 0 ? pi / 12 : pi / 3,
                  noise = std::array{0.0, 0.002, 0.006}[std::size_t(scene.draw_index(3))];
     for (int k = 1; k < stations; ++k)
     {
@@ -265,7 +269,7 @@ OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int& things, do
     OrientedSamples result;
     std::vector<double> ranges;
     for (const Point& eye : eyes)
-        for (double over = -pi / 3; over < pi / 3; over += step)
+        for (double over = lowest; over < highest; over += across)
             for (double about = -pi; about < pi - step / 2; about += step)
             {
                 const Vector direction(std::cos(over) * std::cos(about), std::cos(over) * std::sin(about),
@@ -280,8 +284,16 @@ OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int& things, do
                                         ranges.back() * direction);
                 result.normals.push_back(normal_of(scene.mesh, hit.triangle));
             }
-    spacing = step * median(std::move(ranges));
+    spacing = across * median(std::move(ranges));
     return result;
+}
+
+double mean_angle(const Vectors& normals, const Vectors& truth)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        sum += std::acos(std::clamp(normals[i].dot(truth[i]), -1.0, 1.0)) * 180 / pi;
+    return sum / double(normals.size());
 }
 
 } // namespace
@@ -290,25 +302,28 @@ int main(int argc, char** argv)
 {
     if (argc < 3)
     {
-        std::fprintf(stderr,
-                     "usage: %s <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]]\n",
-                     argv[0]);
+        std::fprintf(
+            stderr,
+            "usage: %s <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]] [--beams n]\n",
+            argv[0]);
         return 2;
     }
     std::string folder;
     bool by_depth_camera = false;
-    int stations = 0; // of a laser scanner
+    int stations = 0, beams = 0; // of a laser scanner
     for (int i = 3; i < argc; ++i)
         if (std::strcmp(argv[i], "--depth-camera") == 0)
             by_depth_camera = true;
         else if (std::strcmp(argv[i], "--laser-scanner") == 0)
             stations = i + 1 < argc && std::atoi(argv[i + 1]) > 0 ? std::atoi(argv[++i]) : 1;
+        else if (std::strcmp(argv[i], "--beams") == 0 && i + 1 < argc)
+            beams = std::atoi(argv[++i]);
         else if (std::strcmp(argv[i], "-o") == 0 && i + 1 < argc)
             folder = argv[++i];
     const int scenes = std::atoi(argv[2]);
-    double sums[3] = {0, 0, 0};
-    std::printf(
-        "| seed | samples | things | scanners | normals | power crust | AMLS |\n|---|---|---|---|---|---|---|\n");
+    double sums[4] = {0, 0, 0, 0};
+    std::printf("| seed | samples | things | scanners | normals | off | power crust | AMLS "
+                "|\n|---|---|---|---|---|---|---|---|\n");
     for (int i = 0; i < scenes; ++i)
     {
         const unsigned seed = unsigned(std::atoi(argv[1]) + i);
@@ -316,7 +331,7 @@ int main(int argc, char** argv)
         int things, scanners = std::max(1, stations);
         double spacing;
         const OrientedSamples cloud = by_depth_camera ? take_frame(scene, seed, things, spacing)
-                                      : stations > 0  ? sweep(scene, seed, stations, things, spacing)
+                                      : stations > 0  ? sweep(scene, seed, stations, beams, things, spacing)
                                                       : scan(scene, seed, things, scanners, spacing);
         NoisyPowerCrustOptions crust;
         crust.open_holes = true;
@@ -324,13 +339,14 @@ int main(int argc, char** argv)
         amls.open_holes = true;
         const TriangleMesh meshes[2] = {reconstruct_noisy_power_crust(cloud.points, crust).mesh,
                                         reconstruct_amls(cloud.points, amls).mesh};
-        const double shares[3] = {checks::share_facing(find_outward_normals(cloud.points).normals, cloud.normals),
+        const Vectors normals = find_outward_normals(cloud.points).normals;
+        const double shares[4] = {checks::share_facing(normals, cloud.normals), mean_angle(normals, cloud.normals),
                                   checks::share_faced(meshes[0], cloud, 2.5 * spacing),
                                   checks::share_faced(meshes[1], cloud, 2.5 * spacing)};
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 4; ++k)
             sums[k] += shares[k] / scenes;
-        std::printf("| %u | %zu | %d | %d | %.4f | %.4f | %.4f |\n", seed, cloud.points.size(), things, scanners,
-                    shares[0], shares[1], shares[2]);
+        std::printf("| %u | %zu | %d | %d | %.4f | %.1f | %.4f | %.4f |\n", seed, cloud.points.size(), things, scanners,
+                    shares[0], shares[1], shares[2], shares[3]);
         std::fflush(stdout);
         if (!folder.empty())
         {
@@ -340,5 +356,5 @@ int main(int argc, char** argv)
             save_ply(name + "_amls.ply", meshes[1]);
         }
     }
-    std::printf("| mean | | | | %.4f | %.4f | %.4f |\n", sums[0], sums[1], sums[2]);
+    std::printf("| mean | | | | %.4f | %.1f | %.4f | %.4f |\n", sums[0], sums[1], sums[2], sums[3]);
 }

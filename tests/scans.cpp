@@ -113,6 +113,19 @@ OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t
     return scan;
 }
 
+OrientedSamples scan_by_beams(int around, int stride, double noise, std::uint64_t seed)
+{
+    const OrientedSamples scan = laser_scan(around, noise, true, seed);
+    OrientedSamples beams;
+    for (std::size_t i = 0; i < scan.points.size(); ++i)
+        if (int(i) / around % stride == 0) // every ray of a room hits
+        {
+            beams.points.push_back(scan.points[i]);
+            beams.normals.push_back(scan.normals[i]);
+        }
+    return beams;
+}
+
 OrientedSamples laser_scans(int around, double noise, bool in_room, std::uint64_t seed, const recon::Points& places)
 {
     OrientedSamples scans;

@@ -40,6 +40,8 @@ struct Cleanness
     double noisy_part = 0;
     /// Share of samples with other sheets beside their own, see sheet_stack.h: 0.3 to 0.95 where thin walls are many.
     double stacked = 0;
+    /// Samples lie on noisy lines, see noisy_lines.h: what is near looks clean there.
+    bool has_noisy_lines = false;
     /// Median distance to the quadric of the 12 nearest [length]: the noise, unless curvature hides it.
     double noise = 0;
 
@@ -66,7 +68,7 @@ struct Cleanness
     /// clouds look noisy in places, too, but nowhere smooth, or not side by side.
     bool is_noisy_in_parts() const
     {
-        return (noisy_places > many_noisy && (lower_roughness < 0.05 || whiteness > 0.5)) ||
+        return has_noisy_lines || (noisy_places > many_noisy && (lower_roughness < 0.05 || whiteness > 0.5)) ||
                noisy_part > std::max({0.004, 0.375 * lower_roughness, 0.12 * noisy_places});
     }
 };

@@ -2,6 +2,7 @@
 
 #include <recon/errors.h>
 #include <recon/median.h>
+#include <recon/noise/noisy_lines.h>
 #include <recon/noise/noisy_patches.h>
 #include <recon/noise/scale_ladder.h>
 #include <recon/parallel.h>
@@ -124,6 +125,8 @@ constexpr std::size_t asked_for_noise = 48; // places of which it is asked wheth
 constexpr int stack_stride = 4;             // of the seeds so many that one is asked whether it is in a stack
 /// Share of those asked around that must see a sheet: 0.04 do in thick noise, 0.4 to 0.85 in stacks.
 constexpr double stacked_share = 0.3;
+/// Share of the places around on noisy lines from which on these speak for all.
+constexpr double share_on_lines = 0.3;
 /// Both sheets of a plate count as one, and widths that follow from it keep them apart; so two of a stack do.
 constexpr double sheets_of_plate = 2;
 
@@ -361,6 +364,43 @@ void take_one_of_stack(const Points& seeds, const std::vector<LocalNoise>& raw, 
     parallel_for(seeds.size(), threads, {}, correct, 32);
 }
 
+/// Where many of those around lie on noisy lines: noise and density as these tell.
+void take_noise_across_lines(const CloudPyramid& pyramid, const Points& seeds, int most, double scale, int threads,
+                             Pooled& pooled)
+{
+    const std::vector<double> reach = find_noisy_lines(pyramid.levels[0], pyramid.searches[0], seeds, threads);
+    if (reach.empty())
+        return;
+    std::vector<LocalNoise> across(seeds.size());
+    parallel_chunks(seeds.size(), threads, 32, {},
+                    [&](std::size_t begin, std::size_t end)
+                    {
+                        ScaleLadder ladder(pyramid, most);
+                        for (std::size_t i = begin; i < end; ++i)
+                            if (reach[i] > 0)
+                                across[i] = ladder.estimate_across_lines(seeds[i], reach[i]);
+                    });
+    const NeighbourSearch search(seeds);
+    const auto correct = [&](std::size_t i)
+    {
+        std::array<int, smoothing_seeds> near;
+        std::array<double, smoothing_seeds> squared, sigma, density;
+        const int asked = search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
+        int on_lines = 0;
+        for (int k = 0; k < asked; ++k)
+            if (reach[std::size_t(near[k])] > 0)
+            {
+                sigma[on_lines] = across[std::size_t(near[k])].sigma;
+                density[on_lines++] = across[std::size_t(near[k])].density;
+            }
+        if (on_lines <= share_on_lines * asked)
+            return;
+        pooled.sigma[i] = std::max(pooled.sigma[i], truncation * scale * middle_of(sigma.data(), on_lines));
+        pooled.density[i] = std::min(pooled.density[i], middle_of(density.data(), on_lines) / scale / scale);
+    };
+    parallel_for(seeds.size(), threads, {}, correct, 32);
+}
+
 } // namespace
 
 NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, const Progress& progress)
@@ -385,7 +425,8 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     const CloudPyramid pyramid(std::move(unit), threads);
     std::vector<LocalNoise> raw;
     double left = 1; // of the progress
-    for (int most = largest_count;; most *= 4, left /= 2)
+    int most = largest_count;
+    for (;; most *= 4, left /= 2)
     {
         raw = look_around(seeds, pyramid, most, threads, progress.part(1 - left, 1 - left / 2));
         const auto settled = std::count_if(raw.begin(), raw.end(), [](const LocalNoise& l) { return l.settled; });
@@ -394,6 +435,7 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
     }
     Pooled pooled = pool(pyramid.levels[0], pyramid.searches[0], seeds, raw, frame.scale(), threads);
     take_one_of_stack(seeds, raw, frame.scale(), threads, pooled);
+    take_noise_across_lines(pyramid, seeds, most, frame.scale(), threads, pooled);
     progress.report(1);
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(pooled.sigma), std::move(pooled.density));

@@ -50,9 +50,10 @@ private:
 /// Estimates noise and density without normals: around each seed the scale is enlarged until the neighbourhood is
 /// clearly wider than what a quadric leaves unexplained, so that it is a piece of surface and not the inside of a slab
 /// of noise; medians over neighbouring seeds suppress outliers. Of sheets one above the other, such as fins, it is the
-/// noise of one, see sheet_stack.h. Equal points count once. Does not depend on the order of the points. With noise far
-/// below the spacing the value tells how far the points stray from smooth quadrics instead. \throws InvalidInput for no
-/// points, a point that is not finite or an option out of range. \throws Cancelled.
+/// noise of one, see sheet_stack.h; of lines whose noise lies in planes through them, that across these, and points
+/// count as far apart as the lines, see noisy_lines.h. Equal points count once. Does not depend on the order of the
+/// points. With noise far below the spacing the value tells how far the points stray from smooth quadrics instead.
+/// \throws InvalidInput for no points, a point that is not finite or an option out of range. \throws Cancelled.
 NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options = {}, const Progress& progress = {});
 
 } // namespace recon

@@ -47,7 +47,7 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
 {
     residuals.clear();
     if (count <= coefficients || !(radius > 0))
-        return {0, 0, 3, seed};
+        return {0, 0, 3, Vector::UnitZ(), seed};
     Vector mean = Vector::Zero();
     for (int i = 0; i < count; ++i)
         mean += points[neighbours[i]] - seed;
@@ -79,7 +79,7 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
     const double height = std::clamp(patch_row(at_seed).dot(solution) - at_seed[0], -1.0, 1.0);
     const auto deviation = [&](double squares) { return radius * std::sqrt(squares / (count - coefficients)); };
     return {deviation(heights), deviation(distances), heights > 0 ? count * fourth / (heights * heights) : 3,
-            seed + radius * height * frame.col(0)};
+            frame.col(0), seed + radius * height * frame.col(0)};
 }
 
 double fit_two_sheets(const std::vector<PatchResidual>& residuals)

@@ -32,6 +32,7 @@ struct PatchFit
     double height;   ///< Root mean square height over the quadric [length].
     double distance; ///< Root mean square distance from it: to first order the height over sqrt(1 + slope^2) [length].
     double kurtosis; ///< Of the heights: 3 for Gaussian noise, below 2 for two sheets taken for one.
+    Vector normal;   ///< Of the principal frame.
     Point foot;      ///< Of the first neighbour, along the normal of the principal frame.
 };
 

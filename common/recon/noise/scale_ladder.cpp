@@ -22,6 +22,9 @@ constexpr double thick = 0.3;
 /// Noise above which exact samples among noisy copies look like a sheet of a stack [spacings].
 constexpr double very_thick = 3;
 
+/// Of noisy lines [radii that reach over several].
+constexpr double line_distance = 0.9;
+
 /// What a Gaussian slab shows inside a ball of radius R around its middle: at height z the ball cuts a disc of area
 /// pi (R^2 - z^2), so that the variance falls to (1 - 3 t) / (1 - t) and the count to 1 - t, t = sigma^2 / R^2.
 LocalNoise correct_for_ball(double residual, int count, double radius)
@@ -72,7 +75,15 @@ LocalNoise ScaleLadder::estimate(const Point& seed, bool ask_for_stack)
     return result;
 }
 
-LocalNoise ScaleLadder::climb(const Point& seed)
+LocalNoise ScaleLadder::estimate_across_lines(const Point& seed, double reach)
+{
+    LocalNoise result = climb(seed, reach);
+    const double apart = line_distance * reach;
+    result.density = std::min(result.density, 1 / (apart * apart));
+    return result;
+}
+
+LocalNoise ScaleLadder::climb(const Point& seed, double least)
 {
     double k = smallest_count;
     found_ = 0;
@@ -80,7 +91,7 @@ LocalNoise ScaleLadder::climb(const Point& seed)
     {
         // Few do where there is little noise.
         measure(seed, k, k < 2 * smallest_count ? k * growth : k * growth * growth * growth);
-        if (radius_ >= flatness * fit_.height || k * growth > limit_)
+        if (radius_ >= std::max(flatness * fit_.height, least) || k * growth > limit_)
             break;
         k *= growth;
     }

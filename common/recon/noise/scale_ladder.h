@@ -42,6 +42,9 @@ public:
 
     /// \param ask_for_stack whether a thick layer may be a stack of sheets.
     LocalNoise estimate(const Point& seed, bool ask_for_stack);
+    /// The same of a neighbourhood of several noisy lines, see noisy_lines.h, as dense as if points were as far apart
+    /// along these. \param reach its radius.
+    LocalNoise estimate_across_lines(const Point& seed, double reach);
 
 private:
     struct Wanted
@@ -50,7 +53,8 @@ private:
         int share, count;
     };
 
-    LocalNoise climb(const Point& seed);
+    /// \param least radius.
+    LocalNoise climb(const Point& seed, double least = 0);
     std::optional<StackedSheet> find_sheet(const Point& at);
     /// Whether what lies beside a sheet is in sheets as well, which noisy copies of exact samples are not.
     /// \param sheet just found.

@@ -348,6 +348,28 @@ TEST(OutwardNormals, OfALaserScanFaceItsScanner)
         }
 }
 
+// Noise is along the rays, so the readings of a beam lie in its cone as if that were the surface: by it normals were
+// 27, 54 and 51 degrees off, and of the third half faced the scanner.
+TEST(OutwardNormals, OfAScannerOfFewBeamsAreThoseOfTheSurface)
+{
+    struct Beams
+    {
+        int around, stride;
+        double noise, farthest;
+    };
+    for (const auto& [around, stride, noise, farthest] :
+         {Beams{720, 8, 0.02, 6}, Beams{720, 12, 0.02, 6}, Beams{720, 20, 0.005, 10}})
+    {
+        const OrientedSamples scan = shapes::scan_by_beams(around, stride, noise, 3);
+        const OutwardNormals found = find_outward_normals(scan.points);
+        EXPECT_GT(checks::share_facing(found.normals, scan.normals), 0.998) << stride << " " << noise;
+        double angle = 0;
+        for (std::size_t i = 0; i < scan.points.size(); ++i)
+            angle += std::acos(std::clamp(found.normals[i].dot(scan.normals[i]), -1.0, 1.0)) * 180 / M_PI;
+        EXPECT_LT(angle / double(scan.points.size()), farthest) << stride << " " << noise;
+    }
+}
+
 // The crust leaves its top out, since nobody saw it from below, and closes its shadow: by that .9974 and .9976 were
 // right.
 TEST(OutwardNormals, OfATableInARoomAreNotThoseOfItsShadow)
