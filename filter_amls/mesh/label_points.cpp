@@ -39,6 +39,9 @@ constexpr double exact_whiteness = 0.15;
 /// spacing 0.051 to 0.091.
 constexpr double exact_roughness = 0.05;
 
+/// Share of points that the crust of a scene misses where its ground is lost: 0.92 and 0.93, else 0.01.
+constexpr double many_missed = 0.3;
+
 /// Share of the votes that thin tubes' denoised labels violate at least, where these are not made.
 constexpr double least_violated_denoised = 0.001;
 
@@ -156,8 +159,22 @@ bool looks_exact(const Cleanness& cleanness, double least_noise_found)
            (least_noise_found < least_noise || least_noise_found > walls || cleanness.whiteness < exact_whiteness);
 }
 
+/// The crust of the labels, in the frame.
+TriangleMesh list_crust(const LabelledSamples& found, int threads)
+{
+    const LabelledBalls& labelled = found.labelled;
+    return triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
+}
+
+/// How far it and the points part.
+Mismatch measure_mismatch(const LabelledSamples& found, const Points& points, int threads)
+{
+    return measure_mismatch(found.frame.to_unit(points), list_crust(found, threads), threads);
+}
+
 /// Exact points over a ground, labelled with the surface's normals: without them the ground's votes, which no ball
-/// below it answers, cancel and make it lace. None if there is no ground.
+/// below it answers, cancel and make it lace. None if there is no ground, or it is lost all the same, as where lines of
+/// points are far from each other.
 std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const Points& samples, const Vectors& normals,
                                                  int isolated, const BallLabellingOptions& labelling, PhaseTimes& times,
                                                  const Progress& progress)
@@ -169,17 +186,11 @@ std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const P
         label_polar_balls(samples, normals, labelling, times, progress.part(0, 0.5, "polar balls"));
     LabelledSamples found{frame, samples, std::move(labelled), isolated, true};
     back_lost_sheets(found, normals, true, 0, labelling, times, progress.part(0.5, 1, "backs of sheets"));
+    if (found.labelled.violated_votes > suspicious_votes &&
+        measure_missed_points(samples, list_crust(found, labelling.threads), labelling.threads) > many_missed)
+        return {};
     found.is_settled = true;
     return found;
-}
-
-/// How far the crust of the labels and the points part.
-Mismatch measure_mismatch(const LabelledSamples& found, const Points& points, int threads)
-{
-    const LabelledBalls& labelled = found.labelled;
-    const TriangleMesh crust =
-        triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
-    return measure_mismatch(found.frame.to_unit(points), crust, threads);
 }
 
 /// The distinct points, but for isolated ones.
