@@ -64,8 +64,9 @@ struct Cleanness
     {
         return share() > 0.6 && !is_smooth_but_noisy() && flat_neighbours < 0.75 && least_roughness > 0.11;
     }
-    /// Whether some of it at least is noisy, the rest clean or less so: scans of several qualities merged. Coarse
-    /// clouds look noisy in places, too, but nowhere smooth, or not side by side.
+    /// Whether some of it at least is noisy, the rest clean or less so: scans of several qualities merged, or
+    /// lines that look clean each alone. Coarse clouds look noisy in places, too, but nowhere smooth, or not side by
+    /// side.
     bool is_noisy_in_parts() const
     {
         return has_noisy_lines || (noisy_places > many_noisy && (lower_roughness < 0.05 || whiteness > 0.5)) ||
