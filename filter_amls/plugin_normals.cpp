@@ -7,6 +7,7 @@
 
 #include <meshlab/shared_parameters.h>
 #include <recon/crust/weaving.h>
+#include <recon/median.h>
 
 #include <algorithm>
 #include <cmath>
@@ -74,16 +75,6 @@ AmlsProjection project(const Points& points, const AmlsSurface& surface, int thr
     recon::AmlsProjectionOptions options;
     options.threads = threads;
     return project_to_amls(points, surface, options, progress);
-}
-
-/// Value at the given share of the sorted values.
-double quantile(std::vector<double> values, double share)
-{
-    if (values.empty())
-        return 0;
-    const auto place = values.begin() + std::ptrdiff_t(share * double(values.size() - 1) + 0.5);
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
 }
 
 plugin::FilterResult compute_normals(const plugin::InputLayer& layer, const BallOptions& options,
@@ -158,13 +149,13 @@ plugin::FilterResult compute_feature_size(const plugin::InputLayer& layer, const
     }
     const auto [smallest, largest] = std::minmax_element(sizes.begin(), sizes.end());
     result.values.emplace_back("min_feature_size", *smallest);
-    result.values.emplace_back("median_feature_size", quantile(sizes, 0.5));
+    result.values.emplace_back("median_feature_size", recon::quantile(sizes, 0.5));
     result.values.emplace_back("max_feature_size", *largest);
     result.values.emplace_back("poles", poles);
     result.changed.vertices = used;
     if (options.colorize)
     {
-        const double low = quantile(sizes, 0.02), high = quantile(sizes, 0.98);
+        const double low = recon::quantile(sizes, 0.02), high = recon::quantile(sizes, 0.98);
         for (double size : sizes)
             result.changed.colours.push_back(colour_of(high > low ? (size - low) / (high - low) : 0.5));
     }

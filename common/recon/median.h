@@ -17,4 +17,14 @@ inline double median(std::vector<double> values)
     return *middle;
 }
 
+/// That of which a share of the others is smaller, the lower of two; 0 of nothing. \param share 0 to 1.
+inline double quantile(std::vector<double> values, double share)
+{
+    if (values.empty())
+        return 0;
+    const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
 } // namespace recon

@@ -1,5 +1,6 @@
 #include <recon/noise/cleanness.h>
 
+#include <recon/median.h>
 #include <recon/noise/noisy_lines.h>
 #include <recon/noise/sheet_stack.h>
 #include <recon/parallel.h>
@@ -13,6 +14,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 namespace recon
 {
@@ -42,15 +45,6 @@ double measure_residual(const Points& points, int count)
     }
     const Eigen::Matrix<double, unknowns, 1> quadric = terms.colPivHouseholderQr().solve(heights);
     return std::sqrt((heights - terms * quadric).squaredNorm() / (count - unknowns));
-}
-
-double quantile(std::vector<double> values, double share)
-{
-    if (values.empty())
-        return 0;
-    const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
 }
 
 /// What one sample and its nearest tell.
@@ -198,11 +192,11 @@ Cleanness measure_cleanness(const Points& samples, int threads)
         parallel_for(noisy.size(), threads, {}, look_around, 1);
         result.noisy_part = std::accumulate(parts.begin(), parts.end(), 0.0) / cells;
     }
-    result.whiteness = quantile(whiteness, 0.25);
+    result.whiteness = quantile(std::move(whiteness), 0.25);
     result.roughness = quantile(roughness, 0.5);
     result.lower_roughness = quantile(roughness, 0.25);
-    result.least_roughness = quantile(roughness, 0.1);
-    result.noise = quantile(noise, 0.5);
+    result.least_roughness = quantile(std::move(roughness), 0.1);
+    result.noise = quantile(std::move(noise), 0.5);
     return result;
 }
 

@@ -145,6 +145,11 @@ std::vector<LocalNoise> look_around(const Points& seeds, const CloudPyramid& pyr
     return raw;
 }
 
+struct SigmaAndDensity
+{
+    double sigma, density;
+};
+
 /// Noise and density per seed, in input units.
 struct Pooled
 {
@@ -327,17 +332,37 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
     return result;
 }
 
+/// Medians of what the places around a seed tell, if more than `share` of them tell anything. \param tell of a place,
+/// something with noise and density, or null.
+template <class Tell>
+std::optional<SigmaAndDensity> find_medians(const NeighbourSearch& search, const Point& seed, double share, Tell&& tell)
+{
+    std::array<int, smoothing_seeds> near;
+    std::array<double, smoothing_seeds> squared, sigma, density;
+    const int asked = search.nearest(seed, smoothing_seeds, near.data(), squared.data());
+    int told = 0;
+    for (int k = 0; k < asked; ++k)
+        if (const auto* place = tell(std::size_t(near[k])))
+        {
+            sigma[told] = place->sigma;
+            density[told++] = place->density;
+        }
+    if (told <= share * asked)
+        return {};
+    return SigmaAndDensity{middle_of(sigma.data(), told), middle_of(density.data(), told)};
+}
+
 /// Where many of those seeds that were asked see stacked sheets: noise and density of one.
 void take_one_of_stack(const Points& seeds, const std::vector<LocalNoise>& raw, double scale, int threads,
                        Pooled& pooled)
 {
     Points asked_seeds;
-    std::vector<const std::optional<StackedSheet>*> sheets;
+    std::vector<const StackedSheet*> sheets;
     bool has_stacks = false;
     for (std::size_t i = 0; i < seeds.size(); i += stack_stride)
     {
         asked_seeds.push_back(seeds[i]);
-        sheets.push_back(&raw[i].stacked);
+        sheets.push_back(raw[i].stacked ? &*raw[i].stacked : nullptr);
         has_stacks = has_stacks || raw[i].stacked;
     }
     if (!has_stacks)
@@ -345,21 +370,11 @@ void take_one_of_stack(const Points& seeds, const std::vector<LocalNoise>& raw, 
     const NeighbourSearch search(asked_seeds);
     const auto correct = [&](std::size_t i)
     {
-        std::array<int, smoothing_seeds> near;
-        std::array<double, smoothing_seeds> squared, sigma, density;
-        const int asked = search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
-        int stacked = 0;
-        for (int k = 0; k < asked; ++k)
-            if (const auto& sheet = *sheets[std::size_t(near[k])])
-            {
-                sigma[stacked] = sheet->sigma;
-                density[stacked++] = sheet->density;
-            }
-        if (stacked <= stacked_share * asked)
+        const auto sheet = find_medians(search, seeds[i], stacked_share, [&](std::size_t k) { return sheets[k]; });
+        if (!sheet)
             return;
-        pooled.sigma[i] = std::min(pooled.sigma[i], scale * middle_of(sigma.data(), stacked));
-        pooled.density[i] =
-            std::min(pooled.density[i], sheets_of_plate * middle_of(density.data(), stacked) / scale / scale);
+        pooled.sigma[i] = std::min(pooled.sigma[i], scale * sheet->sigma);
+        pooled.density[i] = std::min(pooled.density[i], sheets_of_plate * sheet->density / scale / scale);
     };
     parallel_for(seeds.size(), threads, {}, correct, 32);
 }
@@ -383,20 +398,12 @@ void take_noise_across_lines(const CloudPyramid& pyramid, const Points& seeds, i
     const NeighbourSearch search(seeds);
     const auto correct = [&](std::size_t i)
     {
-        std::array<int, smoothing_seeds> near;
-        std::array<double, smoothing_seeds> squared, sigma, density;
-        const int asked = search.nearest(seeds[i], smoothing_seeds, near.data(), squared.data());
-        int on_lines = 0;
-        for (int k = 0; k < asked; ++k)
-            if (reach[std::size_t(near[k])] > 0)
-            {
-                sigma[on_lines] = across[std::size_t(near[k])].sigma;
-                density[on_lines++] = across[std::size_t(near[k])].density;
-            }
-        if (on_lines <= share_on_lines * asked)
+        const auto told = find_medians(search, seeds[i], share_on_lines,
+                                       [&](std::size_t k) { return reach[k] > 0 ? &across[k] : nullptr; });
+        if (!told)
             return;
-        pooled.sigma[i] = std::max(pooled.sigma[i], truncation * scale * middle_of(sigma.data(), on_lines));
-        pooled.density[i] = std::min(pooled.density[i], middle_of(density.data(), on_lines) / scale / scale);
+        pooled.sigma[i] = std::max(pooled.sigma[i], truncation * scale * told->sigma);
+        pooled.density[i] = std::min(pooled.density[i], told->density / scale / scale);
     };
     parallel_for(seeds.size(), threads, {}, correct, 32);
 }

@@ -43,13 +43,6 @@ constexpr std::size_t bundles = 16, most_in_bundle = 4'000;
 /// bodies.
 constexpr double far_apart = 1.1, smooth_before = 0.3, least_gaps = 0.0003;
 
-double quantile(std::vector<double> values, double share)
-{
-    const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
 /// Where the rays meet a plane at depth 1. Empty if some do not, or not all on one side.
 Points list_pixels(const Points& points, int axis)
 {
