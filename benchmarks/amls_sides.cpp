@@ -13,7 +13,6 @@
 #include "tests/checks.h"
 #include "tests/shapes.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -47,15 +46,6 @@ OrientedSamples list_samples(const Model& model, double percent, unsigned seed)
     return result;
 }
 
-/// Mean [degrees].
-double mean_angle(const Vectors& found, const Vectors& truth)
-{
-    double sum = 0;
-    for (std::size_t i = 0; i < found.size(); ++i)
-        sum += std::acos(std::clamp(found[i].dot(truth[i]), -1.0, 1.0));
-    return sum / double(found.size()) * 180 / pi;
-}
-
 void print_model(const std::string& path, double percent, unsigned seed)
 {
     const OrientedSamples samples = list_samples(load_model(path), percent, seed);
@@ -63,8 +53,8 @@ void print_model(const std::string& path, double percent, unsigned seed)
     const OutwardNormals found = find_outward_normals(samples.points);
     std::printf("| %s | %g | %zu | %.5f | %.1f | %.5f | %.1f | %s |\n", std::filesystem::path(path).stem().c_str(),
                 percent, samples.points.size(), checks::share_facing(of_surface, samples.normals),
-                mean_angle(of_surface, samples.normals), checks::share_facing(found.normals, samples.normals),
-                mean_angle(found.normals, samples.normals), found.is_exact ? "yes" : "no");
+                checks::mean_angle(of_surface, samples.normals), checks::share_facing(found.normals, samples.normals),
+                checks::mean_angle(found.normals, samples.normals), found.is_exact ? "yes" : "no");
     std::fflush(stdout);
 }
 

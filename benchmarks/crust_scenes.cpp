@@ -1,5 +1,5 @@
 // Scenes over a floor, ray-cast: tables, chairs, shelves, balls, boxes, seen by one to five scanners around or above.
-// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]] [--beams n]
+// crust_scenes <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations] [--beams n]]
 // One Markdown row a scene: share of samples whose normal is right (filter "Compute normals"), by how many degrees it
 // is off on average, and share that a crust reaches within 2.5 spacings and faces as they do, by the power crust and by
 // AMLS's reconstruction, both with open holes. Odd seeds are turned at random, so that no axis is up. A depth camera
@@ -236,8 +236,7 @@ OrientedSamples take_frame(Scene& scene, unsigned seed, int& things, double& spa
 }
 
 /// The same by a laser scanner. \param stations where it stands in turn. \param beams 0 = as far apart as readings of
-/// a row. \param spacing of its rays at the median
-/// range, written.
+/// a row. \param spacing of its rays at the median range, written.
 OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int beams, int& things, double& spacing)
 {
     const double length = scene.draw(2.5, 5), width = scene.draw(2.5, 5), height = scene.draw(1.2, 1.8);
@@ -288,14 +287,6 @@ OrientedSamples sweep(Scene& scene, unsigned seed, int stations, int beams, int&
     return result;
 }
 
-double mean_angle(const Vectors& normals, const Vectors& truth)
-{
-    double sum = 0;
-    for (std::size_t i = 0; i < normals.size(); ++i)
-        sum += std::acos(std::clamp(normals[i].dot(truth[i]), -1.0, 1.0)) * 180 / pi;
-    return sum / double(normals.size());
-}
-
 } // namespace
 
 int main(int argc, char** argv)
@@ -304,7 +295,7 @@ int main(int argc, char** argv)
     {
         std::fprintf(
             stderr,
-            "usage: %s <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations]] [--beams n]\n",
+            "usage: %s <first seed> <scenes> [-o folder] [--depth-camera | --laser-scanner [stations] [--beams n]]\n",
             argv[0]);
         return 2;
     }
@@ -340,9 +331,9 @@ int main(int argc, char** argv)
         const TriangleMesh meshes[2] = {reconstruct_noisy_power_crust(cloud.points, crust).mesh,
                                         reconstruct_amls(cloud.points, amls).mesh};
         const Vectors normals = find_outward_normals(cloud.points).normals;
-        const double shares[4] = {checks::share_facing(normals, cloud.normals), mean_angle(normals, cloud.normals),
-                                  checks::share_faced(meshes[0], cloud, 2.5 * spacing),
-                                  checks::share_faced(meshes[1], cloud, 2.5 * spacing)};
+        const double shares[4] = {
+            checks::share_facing(normals, cloud.normals), checks::mean_angle(normals, cloud.normals),
+            checks::share_faced(meshes[0], cloud, 2.5 * spacing), checks::share_faced(meshes[1], cloud, 2.5 * spacing)};
         for (int k = 0; k < 4; ++k)
             sums[k] += shares[k] / scenes;
         std::printf("| %u | %zu | %d | %d | %.4f | %.1f | %.4f | %.4f |\n", seed, cloud.points.size(), things, scanners,

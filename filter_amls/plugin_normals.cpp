@@ -149,7 +149,7 @@ plugin::FilterResult compute_feature_size(const plugin::InputLayer& layer, const
     }
     const auto [smallest, largest] = std::minmax_element(sizes.begin(), sizes.end());
     result.values.emplace_back("min_feature_size", *smallest);
-    result.values.emplace_back("median_feature_size", recon::quantile(sizes, 0.5));
+    result.values.emplace_back("median_feature_size", recon::median(sizes));
     result.values.emplace_back("max_feature_size", *largest);
     result.values.emplace_back("poles", poles);
     result.changed.vertices = used;

@@ -165,6 +165,14 @@ double share_facing(const recon::Vectors& normals, const recon::Vectors& truth, 
     return double(facing) / double(truth.size());
 }
 
+double mean_angle(const recon::Vectors& normals, const recon::Vectors& truth)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        sum += std::acos(std::clamp(normals[i].dot(truth[i]), -1.0, 1.0)) * 180 / M_PI;
+    return sum / double(truth.size());
+}
+
 double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples& samples, double reach)
 {
     recon::Vectors facing(mesh.vertices.size(), recon::Vector::Zero());

@@ -45,6 +45,9 @@ SceneReport examine_ball_on_a_ground(const recon::TriangleMesh& mesh);
 /// Share of normals whose cosine with the true ones is above this: within a right angle of them, unless said.
 double share_facing(const recon::Vectors& normals, const recon::Vectors& truth, double above = 0);
 
+/// Between normals and the true ones [degrees].
+double mean_angle(const recon::Vectors& normals, const recon::Vectors& truth);
+
 /// Share of samples that have a vertex of the mesh within `reach` and face as the mesh does at the nearest one.
 double share_faced(const recon::TriangleMesh& mesh, const recon::OrientedSamples& samples, double reach);
 /// The same of an open sheet, which may face either way as a whole.

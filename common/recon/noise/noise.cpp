@@ -145,11 +145,6 @@ std::vector<LocalNoise> look_around(const Points& seeds, const CloudPyramid& pyr
     return raw;
 }
 
-struct SigmaAndDensity
-{
-    double sigma, density;
-};
-
 /// Noise and density per seed, in input units.
 struct Pooled
 {
@@ -332,10 +327,16 @@ Pooled pool(const Points& samples, const BlockSearch& sample_search, const Point
     return result;
 }
 
+/// What places around a seed tell: noise and density.
+struct Told
+{
+    double sigma, density;
+};
+
 /// Medians of what the places around a seed tell, if more than `share` of them tell anything. \param tell of a place,
 /// something with noise and density, or null.
 template <class Tell>
-std::optional<SigmaAndDensity> find_medians(const NeighbourSearch& search, const Point& seed, double share, Tell&& tell)
+std::optional<Told> find_medians(const NeighbourSearch& search, const Point& seed, double share, Tell&& tell)
 {
     std::array<int, smoothing_seeds> near;
     std::array<double, smoothing_seeds> squared, sigma, density;
@@ -349,7 +350,7 @@ std::optional<SigmaAndDensity> find_medians(const NeighbourSearch& search, const
         }
     if (told <= share * asked)
         return {};
-    return SigmaAndDensity{middle_of(sigma.data(), told), middle_of(density.data(), told)};
+    return Told{middle_of(sigma.data(), told), middle_of(density.data(), told)};
 }
 
 /// Where many of those seeds that were asked see stacked sheets: noise and density of one.

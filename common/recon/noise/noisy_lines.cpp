@@ -34,8 +34,6 @@ constexpr double in_plane = 0.07;
 constexpr double least_whiteness = 0.75, least_kurtosis = 1.7;
 /// Noise within a line by that which several show, at least: they are seen at a slant.
 constexpr double of_all_noise = 0.5;
-/// A piece of surface is so many residual heights wide.
-constexpr double flatness = 4;
 /// Cosine between the plane within the line and the surface, at most.
 constexpr double turned = 0.985;
 
@@ -114,7 +112,7 @@ double measure_reach(const Points& points, const BlockSearch& search, const Poin
     {
         const PatchFit wide = fit(int(count));
         if (measure_breadth(residuals) >= of_several)
-            return radius >= flatness * wide.height && beside >= of_all_noise * wide.distance &&
+            return radius >= patch_flatness * wide.height && beside >= of_all_noise * wide.distance &&
                            std::abs(narrow.normal.dot(wide.normal)) <= turned
                        ? radius
                        : 0;

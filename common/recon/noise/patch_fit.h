@@ -9,6 +9,8 @@ namespace recon
 
 /// Coefficients of the quadric, and with them the fewest points that determine it.
 constexpr int patch_coefficients = 6;
+/// A neighbourhood this many residual heights wide is a piece of surface rather than the inside of the noise.
+constexpr double patch_flatness = 4;
 
 /// What a quadric's coefficients weigh at a place whose component 0 is along the normal.
 using PatchRow = Eigen::Matrix<double, patch_coefficients, 1>;

@@ -13,8 +13,6 @@ constexpr double pi = 3.14159265358979323846;
 constexpr int smallest_count = 3 * patch_coefficients;
 constexpr int many = 150; // neighbours; beyond it a subsample does
 constexpr double growth = 1.5;
-/// A neighbourhood this many residual heights wide is a piece of surface rather than the inside of the noise.
-constexpr double flatness = 4;
 /// A residual that grows more than this from one scale to the next is not noise but shape: a thin part, a crease.
 constexpr double settled = 1.2;
 /// Noise above which it may be a stack of sheets [spacings].
@@ -91,7 +89,7 @@ LocalNoise ScaleLadder::climb(const Point& seed, double least)
     {
         // Few do where there is little noise.
         measure(seed, k, k < 2 * smallest_count ? k * growth : k * growth * growth * growth);
-        if (radius_ >= std::max(flatness * fit_.height, least) || k * growth > limit_)
+        if (radius_ >= std::max(patch_flatness * fit_.height, least) || k * growth > limit_)
             break;
         k *= growth;
     }

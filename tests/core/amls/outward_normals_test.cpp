@@ -363,10 +363,7 @@ TEST(OutwardNormals, OfAScannerOfFewBeamsAreThoseOfTheSurface)
         const OrientedSamples scan = shapes::scan_by_beams(around, stride, noise, 3);
         const OutwardNormals found = find_outward_normals(scan.points);
         EXPECT_GT(checks::share_facing(found.normals, scan.normals), 0.998) << stride << " " << noise;
-        double angle = 0;
-        for (std::size_t i = 0; i < scan.points.size(); ++i)
-            angle += std::acos(std::clamp(found.normals[i].dot(scan.normals[i]), -1.0, 1.0)) * 180 / M_PI;
-        EXPECT_LT(angle / double(scan.points.size()), farthest) << stride << " " << noise;
+        EXPECT_LT(checks::mean_angle(found.normals, scan.normals), farthest) << stride << " " << noise;
     }
 }
 
