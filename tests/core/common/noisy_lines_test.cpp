@@ -40,6 +40,18 @@ Points rings(double apart, double along)
     return points;
 }
 
+/// Edges of stairs, two on each tread, whose points are as far apart as these.
+Points edges_of_stairs()
+{
+    constexpr double along = 0.01, deep = 0.01, high = 0.05;
+    Points points;
+    for (int step = 0; step < 40; ++step)
+        for (const double edge : {0.0, deep})
+            for (int i = 0; i < 100; ++i)
+                points.emplace_back(along * i, deep * step + edge, high * step);
+    return points;
+}
+
 TEST(NoisyLines, AreReadingsOfFewBeams)
 {
     for (const int stride : {8, 12, 20})
@@ -56,6 +68,12 @@ TEST(NoisyLines, AreNoneWithoutNoiseOrWhereItGoesAnywhere)
         EXPECT_FALSE(has_lines(shapes::with_noise(rings(0.1, 0.01), noise, 5))) << noise;
         EXPECT_FALSE(has_lines(shapes::with_noise(shapes::torus(20'000, 1, 0.4, 5).points, noise, 5))) << noise;
     }
+}
+
+// Points on both edges of a tread stray in its plane as noise does, but to two places only.
+TEST(NoisyLines, AreNoEdgesOfNarrowFaces)
+{
+    EXPECT_FALSE(has_lines(edges_of_stairs()));
 }
 
 TEST(NoisyLines, ReachOverTheNext)
