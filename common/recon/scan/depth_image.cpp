@@ -1,7 +1,6 @@
 #include <recon/scan/depth_image.h>
 
 #include <recon/median.h>
-#include <recon/scramble.h>
 #include <recon/search/neighbours.h>
 
 #include <algorithm>
@@ -33,15 +32,6 @@ constexpr double coarse = 0.5;
 /// Points asked whether they lie in a step [count], and share in steps that makes a cloud coarse.
 constexpr int neighbours = 12;
 constexpr double many_in_steps = 0.1;
-/// Of a grid of angles: 0.91 and more of two sweeps of a car's scanner within a tenth of the median, 0.42 of models at
-/// most; the nearest lie along a circle about the axis or across it, 0.22 of models.
-constexpr double even_angles = 0.1, aslant = 0.1;
-/// Bundles of rays that are looked at, and points in each [count].
-constexpr std::size_t bundles = 16, most_in_bundle = 4'000;
-/// Ranges of neighbours between which there is a gap [range by range], if the ones before are so much more alike [1 =
-/// equal differences], and least share of points with such: 0.0005 and more in a room with a ball in it, none on
-/// bodies.
-constexpr double far_apart = 1.1, smooth_before = 0.3, least_gaps = 0.0003;
 
 /// Where the rays meet a plane at depth 1. Empty if some do not, or not all on one side.
 Points list_pixels(const Points& points, int axis)
@@ -66,15 +56,6 @@ bool has_relief(const Points& points, int axis)
     return quantile(depths, 0.95) > least_relief * quantile(depths, 0.05);
 }
 
-/// The median of distances between neighbours, 0 if too few are like it.
-double find_even_step(const std::vector<double>& steps, double tolerance)
-{
-    const double usual = median(steps);
-    const auto alike = std::count_if(steps.begin(), steps.end(),
-                                     [&](double step) { return std::abs(step - usual) <= tolerance * usual; });
-    return double(alike) >= on_grid * double(steps.size()) ? usual : 0;
-}
-
 /// Distance of neighbours in the image; 0 if they are on no grid.
 double measure_pixel(const Points& pixels)
 {
@@ -87,113 +68,10 @@ double measure_pixel(const Points& pixels)
         search.nearest(pixels[i], 2, nearest, squared);
         steps.push_back(std::sqrt(squared[1]));
     }
-    return find_even_step(steps, even);
-}
-
-/// Those points that from the origin lie next to the k-th of some random ones.
-Points list_bundle(const Points& points, std::size_t k)
-{
-    struct Ray
-    {
-        double cosine;
-        std::size_t point;
-    };
-    constexpr double nowhere = -2;
-    std::vector<Ray> rays(points.size());
-    const Vector ahead = points[scramble(k) % points.size()].normalized();
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-        const double cosine = points[i].dot(ahead) / points[i].norm();
-        rays[i] = {cosine >= -1 ? cosine : nowhere, i}; // none at the origin
-    }
-    const auto end = rays.begin() + std::ptrdiff_t(std::min(points.size(), most_in_bundle));
-    std::nth_element(rays.begin(), end - 1, rays.end(),
-                     [](const Ray& a, const Ray& b)
-                     { return a.cosine > b.cosine || (a.cosine == b.cosine && a.point < b.point); });
-    Points bundle;
-    for (auto ray = rays.begin(); ray != end; ++ray)
-        if (ray->cosine > nowhere)
-            bundle.push_back(points[ray->point]);
-    return bundle;
-}
-
-/// Whether the surface ends at a reading: on one side the next is far away, that on the other near. \param near those
-/// around it, nearest first.
-bool is_at_gap(const Points& bundle, const Points& image, std::size_t i, const std::vector<int>& near)
-{
-    const auto farther = [&](int k) { return std::log(bundle[std::size_t(k)].norm() / bundle[i].norm()); };
-    for (const int k : near)
-    {
-        const double beyond = std::abs(farther(k));
-        if (beyond <= std::log(far_apart))
-            continue;
-        const Vector off = image[std::size_t(k)] - image[i];
-        for (const int before : near)
-            if ((image[std::size_t(before)] - image[i] + off).norm() < 0.5 * off.norm() &&
-                std::abs(farther(before)) < smooth_before * beyond)
-                return true;
-    }
-    return false;
-}
-
-/// What tells a scanner's readings.
-class ScannerSigns
-{
-public:
-    /// \param axis about which it turns.
-    explicit ScannerSigns(int axis) : axis_(axis) {}
-
-    void add(const Points& bundle)
-    {
-        constexpr int asked_around = 9;
-        Points image; // angles about the axis and over the plane across it
-        for (const Point& p : bundle)
-            image.emplace_back(std::atan2(p[(axis_ + 2) % 3], p[(axis_ + 1) % 3]), std::asin(p[axis_] / p.norm()), 0);
-        const NeighbourSearch search(image);
-        for (std::size_t i = 0; i < image.size(); ++i)
-        {
-            std::vector<int> near(asked_around);
-            double squared[asked_around];
-            near.resize(std::size_t(search.nearest(image[i], asked_around, near.data(), squared)));
-            const Vector off = (image[std::size_t(near[1])] - image[i]).cwiseAbs();
-            straight_ += std::min(off.x(), off.y()) <= aslant * std::max(off.x(), off.y());
-            steps_.push_back(std::sqrt(squared[1]));
-            near.erase(near.begin());
-            gaps_ += is_at_gap(bundle, image, i, near);
-        }
-    }
-
-    /// Distance of neighbouring rays [radians]; 0 if they are on no grid of angles.
-    double measure_angle() const
-    {
-        return straight_ >= on_grid * double(steps_.size()) ? find_even_step(steps_, even_angles) : 0;
-    }
-    bool have_gaps() const { return gaps_ >= least_gaps * double(steps_.size()); }
-
-private:
-    int axis_;
-    std::vector<double> steps_;
-    int straight_ = 0, gaps_ = 0;
-};
-
-/// Distance of neighbouring rays of a scanner at the origin, whose readings the points are [radians]; else 0.
-double find_scanner(const Points& points)
-{
-    const Points first = list_bundle(points, 0);
-    if (first.size() < fewest) // nearly all points are at the origin
-        return 0;
-    for (const int axis : {2, 1, 0})
-    {
-        ScannerSigns signs(axis);
-        signs.add(first);
-        if (signs.measure_angle() == 0)
-            continue;
-        for (std::size_t k = 1; k < bundles; ++k)
-            signs.add(list_bundle(points, k));
-        if (signs.have_gaps())
-            return signs.measure_angle();
-    }
-    return 0;
+    const double usual = median(steps);
+    const auto alike =
+        std::count_if(steps.begin(), steps.end(), [&](double step) { return std::abs(step - usual) <= even * usual; });
+    return double(alike) >= on_grid * double(steps.size()) ? usual : 0;
 }
 
 /// Depths that occur, ascending; none if they are many.
@@ -277,8 +155,6 @@ std::optional<DepthCamera> find_depth_camera(const Points& points)
             return DepthCamera{Point::Zero(), (points.front()[axis] < 0 ? -1 : 1) * Vector::Unit(axis), pixel,
                                list_depths(points, axis)};
     }
-    if (const double angle = find_scanner(points); angle > 0)
-        return DepthCamera{Point::Zero(), Vector::Zero(), angle, {}};
     return {};
 }
 

@@ -9,11 +9,11 @@
 namespace recon
 {
 
-/// A depth camera or a laser scanner whose pixels a cloud is.
+/// A depth camera whose pixels a cloud is.
 struct DepthCamera
 {
     Point place;                ///< All that it saw faces it.
-    Vector ahead;               ///< Along which depths are measured, of unit length; 0 of a scanner.
+    Vector ahead;               ///< Along which depths are measured, of unit length.
     double pixel = 0;           ///< Distance of neighbouring rays at a depth of 1 [length].
     std::vector<double> depths; ///< Those that occur, ascending [length], if hardly a tenth as many as points; or none.
 
@@ -28,9 +28,8 @@ struct DepthCamera
 
 /// The camera if points are its pixels as it delivers them: from the origin, along an axis, they lie on a grid,
 /// whatever their depths. Grids of a plane or a terrain do not count: they are even by themselves, or reach over depths
-/// that differ by less than a quarter. Or the scanner if they lie on a grid of angles about an axis through the origin,
-/// and some that are neighbours there far from each other; bodies in polar coordinates have no such gaps. A cloud that
-/// was moved, thinned or merged looks like any other, unless its order tells (viewpoint.h). \pre finite.
+/// that differ by less than a quarter. A cloud that was moved, thinned or merged looks like any other, unless its order
+/// tells (viewpoint.h). \pre finite.
 std::optional<DepthCamera> find_depth_camera(const Points& points);
 
 /// The same if its depths come in steps of half a pixel and more, in each of which many points lie side by side: steps

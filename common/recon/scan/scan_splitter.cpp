@@ -76,7 +76,7 @@ public:
             progress_.part(0.8, 1).report(double(scan.begin) / double(points_.size()));
             const Points points = slice(scan.begin, scan.end);
             const std::optional<Candidate> found = settle(points, scan.place);
-            if (!found || !sees_all(points, found->place))
+            if (!found || !is_seen_from(*found, points))
                 continue;
             scan.place = found->place;
             if (scans.empty() || !join(scans.back(), scan))
@@ -89,7 +89,7 @@ private:
     struct Candidate
     {
         Point place;
-        double deviation; ///< Median of the points' that it was found of, see measure_evenness().
+        Evenness seen; ///< Of the points that it was found of.
     };
     /// Points in a row.
     struct Run
@@ -116,14 +116,17 @@ private:
     {
         if (points.size() < fewest_points)
             return {};
-        Point place = find_most_even(points, start);
-        Evenness seen = measure_evenness(points, place);
-        if (const Evenness before = measure_evenness(points, start); before.deviation < seen.deviation)
-        {
-            place = start;
-            seen = before;
-        }
-        return seen.share < broken_rows ? std::nullopt : std::optional(Candidate{place, seen.deviation});
+        const Point most_even = find_most_even(points, start);
+        Candidate result{most_even, measure_evenness(points, most_even)};
+        if (const Evenness before = measure_evenness(points, start); before.deviation < result.seen.deviation)
+            result = {start, before};
+        const bool is_even = result.seen.share >= broken_rows || result.seen.is_exact();
+        return is_even ? std::optional(result) : std::nullopt;
+    }
+
+    static bool is_seen_from(const Candidate& candidate, const Points& points)
+    {
+        return candidate.seen.is_exact() || sees_all(points, candidate.place);
     }
 
     bool is_known(const Point& place, const Point& seen) const
@@ -159,7 +162,7 @@ private:
         const Points points = slice(gaps_[first], gaps_[end - 1]);
         const std::optional<Candidate> found = settle(points, meeting->place);
         const bool is_new = found && !is_known(found->place, points.front());
-        return is_new && sees_all(points, found->place) ? found : std::nullopt;
+        return is_new && is_seen_from(*found, points) ? found : std::nullopt;
     }
 
     /// Per block what is said against a place.
@@ -177,7 +180,7 @@ private:
     {
         double least = std::numeric_limits<double>::infinity();
         for (const Candidate& candidate : candidates_)
-            least = std::min(least, candidate.deviation);
+            least = std::min(least, candidate.seen.deviation);
         return std::max(least_deviation, least);
     }
 
@@ -248,9 +251,9 @@ private:
             },
             1);
         std::stable_sort(found.begin(), found.end(),
-                         [](const Candidate& a, const Candidate& b) { return a.deviation < b.deviation; });
+                         [](const Candidate& a, const Candidate& b) { return a.seen.deviation < b.seen.deviation; });
         const auto best = std::find_if(found.begin(), found.end(),
-                                       [&](const Candidate& candidate) { return sees_all(points, candidate.place); });
+                                       [&](const Candidate& candidate) { return is_seen_from(candidate, points); });
         if (best == found.end() || is_known(best->place, points.front()))
             return false;
         candidates_.push_back(*best);
@@ -317,19 +320,18 @@ private:
         return double(sum.seen) >= least_seen * double(sum.all);
     }
 
-    double measure_median_deviation(const Scan& scan, const Point& place) const
+    Evenness measure_evenness_of(const Scan& scan, const Point& place) const
     {
-        std::vector<double> deviations;
-        const std::size_t end = std::min(scan.end, points_.size() - 1);
-        for (std::size_t i = std::max(std::size_t(1), scan.begin); i < end; i += (end - scan.begin) / most_gaps + 1)
-            deviations.push_back(deviation_at(i, place));
-        return std::max(least_deviation, median(std::move(deviations)));
+        Evenness seen = measure_evenness(slice(scan.begin, scan.end), place);
+        seen.deviation = std::max(least_deviation, seen.deviation);
+        return seen;
     }
 
     /// Whether a scan may have been seen from another place.
     bool can_be_from(const Scan& scan, const Point& place) const
     {
-        return measure_median_deviation(scan, place) <= as_even * measure_median_deviation(scan, scan.place) &&
+        const Evenness seen = measure_evenness_of(scan, place);
+        return (seen.is_exact() || seen.deviation <= as_even * measure_evenness_of(scan, scan.place).deviation) &&
                double(count_gaps(scan, place).seen) >= as_seen * double(count_gaps(scan, scan.place).seen);
     }
 

@@ -1,6 +1,8 @@
 #include <recon/scan/viewpoint.h>
 
+#include <recon/median.h>
 #include <recon/scan/depth_image.h>
+#include <recon/scan/even_angles.h>
 #include <recon/scan/ray_meeting.h>
 #include <recon/scan/scan_rows.h>
 #include <recon/scan/scan_splitter.h>
@@ -24,6 +26,8 @@ constexpr int trials = 3;
 /// Share of the points that must be of scans with a place, or lie where theirs do.
 constexpr double nearly_all = 0.9;
 constexpr std::size_t most_measured = 2'000;
+/// Nearer to the origin than this a place is one's that stands there [1 = median range].
+constexpr double beside_origin = 0.02;
 /// Points by which scans are told apart [count].
 constexpr std::size_t most_marks = 200'000;
 
@@ -65,8 +69,8 @@ std::optional<Point> choose_place(const Points& points, std::vector<std::size_t>
         if (!meeting || !meeting->has_many())
             break;
         const Evenness seen = measure_evenness(points, meeting->place);
-        if (meeting->is_sharp() && seen.is_of_rows() && seen.deviation < least_deviation &&
-            sees_all(points, meeting->place))
+        if (meeting->is_sharp() && seen.deviation < least_deviation &&
+            (seen.is_exact() || (seen.is_of_rows() && sees_all(points, meeting->place))))
         {
             best = meeting->place;
             least_deviation = seen.deviation;
@@ -122,6 +126,14 @@ Viewpoints take(const std::vector<Scan>& scans, const DistinctRun& run)
     for (Point& p : seen)
         p += run.middle;
     return {std::move(places), std::move(seen), std::move(from)};
+}
+
+bool is_near_origin(const Point& place, const Points& points)
+{
+    std::vector<double> ranges;
+    for (std::size_t i = 0; i < points.size(); i += points.size() / most_measured + 1)
+        ranges.push_back(points[i].norm());
+    return place.norm() < beside_origin * median(std::move(ranges));
 }
 
 } // namespace
@@ -180,7 +192,10 @@ Viewpoints find_viewpoints(const Points& points, const Points& sorted, int threa
 {
     if (const auto camera = find_depth_camera(sorted))
         return Viewpoints(camera->place);
-    return find_scan_origins(points, threads, progress);
+    Viewpoints in_order = find_scan_origins(points, threads, progress);
+    const bool may_be_origin =
+        in_order.empty() || (in_order.places().size() == 1 && is_near_origin(in_order.places()[0], sorted));
+    return may_be_origin && is_scanner_at_origin(sorted) ? Viewpoints(Point::Zero()) : in_order;
 }
 
 Viewpoints find_viewpoints(const Points& points, int threads, const Progress& progress)

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -77,6 +78,40 @@ TEST(ScanOrigin, IsFoundWhereverItIs)
                 ASSERT_TRUE(found) << k << " " << pose.shift.transpose() << " " << is_reversed;
                 EXPECT_LT((*found - pose.shift).norm(), 0.03) << k << " " << is_reversed;
             }
+}
+
+// Clutter looks as what lies behind a surface does, and where rays saw nothing steps are twice as long.
+TEST(ScanOrigin, IsFoundAmongClutterAndWhereRaysSawNothing)
+{
+    struct Scene
+    {
+        int boxes;
+        bool in_room;
+        double lost;
+    };
+    for (const auto& [count, in_room, lost] : {Scene{0, false, 0.05}, Scene{100, true, 0.1}, Scene{1'000, false, 0.05}})
+        for (const std::uint64_t seed : {3, 4})
+        {
+            shapes::Random random(seed);
+            const auto draw = [&](double least, double most)
+            { return least + (most - least) * shapes::uniform(random); };
+            std::vector<Box> boxes;
+            for (int i = 0; i < count; ++i)
+            {
+                const Point centre(draw(-4, 4), draw(-4, 4), draw(-1.4, 1.6));
+                const double half = draw(0.03, 0.08);
+                if (centre.norm() > 1)
+                    boxes.push_back({centre - Vector::Constant(half), centre + Vector::Constant(half)});
+            }
+            Points points;
+            for (const Point& p : shapes::laser_scan(480, 0.01, in_room, seed, Point::Zero(), boxes).points)
+                if (draw(0, 1) >= lost)
+                    points.push_back(p + Vector(3, 2, 1));
+            const auto found = find_scan_origin(points);
+            ASSERT_TRUE(found) << count << " " << seed;
+            EXPECT_LT((*found - Point(3, 2, 1)).norm(), 0.06) << count << " " << seed;
+            EXPECT_EQ(find_scan_origins(points).places().size(), 1) << count << " " << seed;
+        }
 }
 
 TEST(ScanOrigin, IsNoneOfOtherClouds)
