@@ -39,6 +39,13 @@ constexpr double exact_whiteness = 0.15;
 /// spacing 0.051 to 0.091.
 constexpr double exact_roughness = 0.05;
 
+/// Noise of an open cloud that passed for detail: its crust comes as near to the points as no denoised one does, but
+/// weaves between them. Share of votes that it violates more than; how many times as many handles it has, and more than
+/// few: 450 and 510 of two real sweeps, 4 and 39 when denoised; and votes that the latter may violate, one by the
+/// other.
+constexpr double woven = 0.05, hardly_more = 1.1;
+constexpr int many_times = 4, few_handles = 20;
+
 /// Share of points that the crust of a scene misses where its ground is lost: 0.92 and 0.93, else 0.01.
 constexpr double many_missed = 0.3;
 
@@ -352,6 +359,11 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     LabelledSamples projected =
         label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress);
     times.begin("mismatch");
+    const auto count_handles = [&](const LabelledSamples& found)
+    { return measure_closed_topology(list_crust(found, labelling.threads)).genus(); };
+    if (surface.report().open && violated > woven && projected.labelled.violated_votes <= hardly_more * violated &&
+        count_handles(exact) > std::max(few_handles, many_times * count_handles(projected)))
+        return projected;
     // Backs of sheets are bare.
     const bool is_better = has_lost_sheets && projected.lost_sheets > 0
                                ? projected.labelled.violated_votes <= clearly_backed * violated
