@@ -67,7 +67,7 @@ struct SeenAngles
         const double usual = median(steps);
         const auto as_usual = std::count_if(steps.begin(), steps.end(),
                                             [&](double step) { return std::abs(step - usual) <= even * usual; });
-        return double(as_usual) >= on_grid * double(steps.size());
+        return usual > 0 && double(as_usual) >= on_grid * double(steps.size()); // else copies
     }
 };
 

@@ -67,6 +67,8 @@ TEST(ScannerAtOrigin, IsNoneOfOtherClouds)
                                shapes::torus(20'000, 3, 1, 3).points,
                                moved(shapes::torus(20'000, 3, 1, 3).points, {3, 0, 0}),
                                moved(room, {1.5, 1, 0})};
+    clouds.push_back(clouds[7]); // copies
+    clouds.back().insert(clouds.back().end(), clouds[7].begin(), clouds[7].end());
     clouds.emplace_back(); // thinned
     shapes::Random random(5);
     for (const Point& p : room)
