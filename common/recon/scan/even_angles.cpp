@@ -24,7 +24,8 @@ constexpr std::size_t bundles = 16, most_in_bundle = 4'000, most_asked = 2'000;
 /// sees 60 degrees up and down, towards whose axis they come together. Of 430 models four have more, a ball 0.92.
 constexpr double on_grid = 0.65, even = 0.25;
 /// Of so many in the image some lie behind a gap if, in order of range, one is so much farther than the one before it
-/// and at least so many lie on either side; and fewest points around which that is so. Even models have none.
+/// and at least so many lie on either side, lest those that stray count; and fewest points around which that is so.
+/// Even models have none.
 constexpr int around = 24, least_beside = 6;
 constexpr double gap = 1.25;
 constexpr std::size_t fewest_gaps = 20;
