@@ -233,6 +233,22 @@ TEST(ScanOrigins, OneOfOneScan)
     EXPECT_TRUE(find_scan_origins({}).empty());
 }
 
+TEST(ScanOrigins, OneOfRaysThatLeaveTheScannerBesideItsAxis)
+{
+    constexpr double beside = 0.05;
+    for (const std::uint64_t seed : {3, 4, 5})
+    {
+        shapes::Random random(seed);
+        Points points;
+        for (const Point& p : shapes::laser_scan(480, 0.01, true, seed).points)
+            if (shapes::uniform(random) >= 0.08)
+                points.push_back(p + beside * Vector(p.x(), p.y(), 0).normalized() + Vector(3, 2, 1));
+        const Viewpoints found = find_scan_origins(points);
+        ASSERT_EQ(found.places().size(), 1) << seed;
+        EXPECT_LT((found.places()[0] - Point(3, 2, 1)).norm(), 2 * beside) << seed;
+    }
+}
+
 TEST(Viewpoints, AreThoseOfTheNearest)
 {
     const Points places{{0, 0, 5}, {0, 0, -5}}, seen{{1, 0, 0}, {-1, 0, 0}};
