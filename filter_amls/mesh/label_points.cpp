@@ -173,12 +173,6 @@ TriangleMesh list_crust(const LabelledSamples& found, int threads)
     return triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
 }
 
-/// How far it and the points part.
-Mismatch measure_mismatch(const LabelledSamples& found, const Points& points, int threads)
-{
-    return measure_mismatch(found.frame.to_unit(points), list_crust(found, threads), threads);
-}
-
 /// Exact points over a ground, labelled with the surface's normals: without them the ground's votes, which no ball
 /// below it answers, cancel and make it lace. None if there is no ground, or it is lost all the same, as where lines of
 /// points are far from each other.
@@ -349,7 +343,8 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     times.begin("mismatch");
     // Without copies, which would leave points without a spacing.
     const Points distinct = points_at(surface.data().spatial.order, points);
-    const Mismatch mismatch = measure_mismatch(exact, distinct, labelling.threads);
+    const TriangleMesh exact_crust = list_crust(exact, labelling.threads);
+    const Mismatch mismatch = measure_mismatch(exact.frame.to_unit(distinct), exact_crust, labelling.threads);
     const bool has_lost_sheets =
         violated > open_behind &&
         find_lost_sheets(exact.samples, exact.labelled, false, labelling.threads, progress.part(0, 0)).largest >
@@ -359,16 +354,18 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
     LabelledSamples projected =
         label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress);
     times.begin("mismatch");
-    const auto count_handles = [&](const LabelledSamples& found)
-    { return measure_closed_topology(list_crust(found, labelling.threads)).genus(); };
-    if (surface.report().open && violated > woven && projected.labelled.violated_votes <= hardly_more * violated &&
-        count_handles(exact) > std::max(few_handles, many_times * count_handles(projected)))
-        return projected;
+    const TriangleMesh crust = list_crust(projected, labelling.threads);
+    const auto count_handles = [](const TriangleMesh& mesh) { return measure_closed_topology(mesh).genus(); };
+    const bool is_woven = surface.report().open && violated > woven &&
+                          projected.labelled.violated_votes <= hardly_more * violated &&
+                          count_handles(exact_crust) > std::max(few_handles, many_times * count_handles(crust));
     // Backs of sheets are bare.
-    const bool is_better = has_lost_sheets && projected.lost_sheets > 0
-                               ? projected.labelled.violated_votes <= clearly_backed * violated
-                               : projected.labelled.violated_votes < violated &&
-                                     measure_mismatch(projected, distinct, labelling.threads).sum() < mismatch.sum();
+    const bool has_better_labels =
+        has_lost_sheets && projected.lost_sheets > 0
+            ? projected.labelled.violated_votes <= clearly_backed * violated
+            : projected.labelled.violated_votes < violated &&
+                  measure_mismatch(projected.frame.to_unit(distinct), crust, labelling.threads).sum() < mismatch.sum();
+    const bool is_better = is_woven || has_better_labels;
     return is_better ? std::move(projected) : std::move(exact);
 }
 

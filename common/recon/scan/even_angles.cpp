@@ -22,7 +22,7 @@ constexpr std::size_t bundles = 16, most_in_bundle = 4'000, most_asked = 2'000;
 /// Share of points whose nearest in the image is as far as the median, within a quarter: 0.83 to 1 of sixteen real
 /// sweeps, 0.67 where rays leave a scanner as far from its middle as a tenth of the ranges, or of a simulated one that
 /// sees 60 degrees up and down, towards whose axis they come together. Of 430 models four have more, a ball 0.92.
-constexpr double on_grid = 0.65, even = 0.25;
+constexpr double mostly = 0.65, even = 0.25;
 /// Of so many in the image some lie behind a gap if, in order of range, one is so much farther than the one before it
 /// and at least so many lie on either side, lest those that stray count; and fewest points around which that is so.
 /// Even models have none.
@@ -68,7 +68,7 @@ struct SeenAngles
         const double usual = median(steps);
         const auto as_usual = std::count_if(steps.begin(), steps.end(),
                                             [&](double step) { return std::abs(step - usual) <= even * usual; });
-        return usual > 0 && double(as_usual) >= on_grid * double(steps.size()); // else copies
+        return usual > 0 && double(as_usual) >= mostly * double(steps.size()); // else copies
     }
 };
 

@@ -320,18 +320,12 @@ private:
         return double(sum.seen) >= least_seen * double(sum.all);
     }
 
-    Evenness measure_evenness_of(const Scan& scan, const Point& place) const
-    {
-        Evenness seen = measure_evenness(slice(scan.begin, scan.end), place);
-        seen.deviation = std::max(least_deviation, seen.deviation);
-        return seen;
-    }
-
     /// Whether a scan may have been seen from another place.
     bool can_be_from(const Scan& scan, const Point& place) const
     {
-        const Evenness seen = measure_evenness_of(scan, place);
-        return (seen.is_exact() || seen.deviation <= as_even * measure_evenness_of(scan, scan.place).deviation) &&
+        const Points points = slice(scan.begin, scan.end);
+        const Evenness seen = measure_evenness(points, place), own = measure_evenness(points, scan.place);
+        return (seen.is_exact() || seen.deviation <= as_even * std::max(least_deviation, own.deviation)) &&
                double(count_gaps(scan, place).seen) >= as_seen * double(count_gaps(scan, scan.place).seen);
     }
 

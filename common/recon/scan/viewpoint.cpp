@@ -26,7 +26,7 @@ constexpr int trials = 3;
 /// Share of the points that must be of scans with a place, or lie where theirs do.
 constexpr double nearly_all = 0.9;
 constexpr std::size_t most_measured = 2'000;
-/// Nearer to the origin than this a place is one's that stands there [1 = median range].
+/// A place that the order tells, so near to the origin, may be the origin [1 = median range].
 constexpr double beside_origin = 0.02;
 /// Points by which scans are told apart [count].
 constexpr std::size_t most_marks = 200'000;

@@ -46,9 +46,10 @@ std::optional<Point> find_scan_origin(const Points& points);
 /// nearly all points are of scans whose place is found. \pre as above. \throws Cancelled.
 Viewpoints find_scan_origins(const Points& points, int threads = 1, const Progress& progress = {});
 
-/// Places of the cameras or scanners that all points face: the origin or near it, if they are the pixels of one as it
-/// delivers them (depth_image.h, even_angles.h), or those that their order tells. \param sorted the same in another
-/// order, where the former must not hang on how they come. \pre finite. \throws Cancelled.
+/// Places of the cameras or scanners that all points face: the origin, if they are a camera's pixels as it delivers
+/// them (depth_image.h); those that their order tells; or the origin, if that is nearly the only one of these or there
+/// are none, and they are a scanner's readings from there (even_angles.h). \param sorted the same in another order,
+/// where what does not need theirs must not hang on how they come. \pre finite. \throws Cancelled.
 Viewpoints find_viewpoints(const Points& points, const Points& sorted, int threads, const Progress& progress = {});
 Viewpoints find_viewpoints(const Points& points, int threads, const Progress& progress = {});
 
