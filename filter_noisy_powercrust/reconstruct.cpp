@@ -126,8 +126,8 @@ void report_labels(const LabelledCloud& found, const NoisyPowerCrustOptions& opt
 
 /// The crust, closed, in the frame of its samples. \param result gets the mesh and its vertices on edges. \throws
 /// AlgorithmFailure if it encloses no volume.
-DroppedBodies make_surface(LabelledCloud& found, const NoisyPowerCrustOptions& options, NoisyPowerCrust& result,
-                           PhaseTimes& times, const Progress& progress)
+DroppedBodies make_surface(LabelledCloud& found, const Points& points, const NoisyPowerCrustOptions& options,
+                           NoisyPowerCrust& result, PhaseTimes& times, const Progress& progress)
 {
     const PreparedSamples& cloud = found.cloud;
     times.begin("crust");
@@ -140,6 +140,8 @@ DroppedBodies make_surface(LabelledCloud& found, const NoisyPowerCrustOptions& o
     if (through_samples)
         crust.interpolated = &cloud.samples;
     crust.threads = resolve_threads(options.threads);
+    crust.find_viewpoints = [&]
+    { return find_viewpoints(points, crust.threads, progress.part(0, 0, "places of scanners")).in(cloud.frame); };
     TriangleMesh& mesh = result.mesh;
     DroppedBodies dropped;
     mesh = make_crust(std::move(found.list_polygons(crust.threads)), found.labelled, crust,
@@ -226,7 +228,7 @@ NoisyPowerCrust reconstruct(const Points& points, const NoisyPowerCrustOptions& 
     LabelledCloud found =
         label_cloud(points, options_for_samples(options), labelling, times, progress.part(0, 0.75, "crust"));
     report_labels(found, options, result);
-    const DroppedBodies dropped = make_surface(found, options, result, times, progress.part(0.75, 0.95));
+    const DroppedBodies dropped = make_surface(found, points, options, result, times, progress.part(0.75, 0.95));
     times.begin("finish");
     const double missed = measure_missed(result.mesh, found, labelling.threads, progress.part(0.95, 0.96, "points"));
     open_surface(result.mesh, found, points, options, progress.part(0.96, 0.97));

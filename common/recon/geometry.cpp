@@ -62,6 +62,9 @@ void check_finite(const Point& point, std::size_t vertex)
     if (!point.allFinite())
         throw InvalidInput("Vertex " + std::to_string(vertex) +
                            " has a coordinate that is not a finite number. Delete such vertices first.");
+    if (point.lpNorm<Eigen::Infinity>() > largest_coordinate)
+        throw InvalidInput("Vertex " + std::to_string(vertex) +
+                           " has a coordinate above 1e300. Delete such vertices, or scale the layer down.");
 }
 
 UnitFrame::UnitFrame(const Points& points)

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace recon
@@ -34,14 +35,16 @@ struct TriangleMesh
 /// Axis-aligned bounding box. Empty for no points: minimum > maximum.
 struct Box
 {
-    Point minimum = Point::Constant(1e308);
-    Point maximum = Point::Constant(-1e308);
+    Point minimum = Point::Constant(std::numeric_limits<double>::max());
+    Point maximum = Point::Constant(std::numeric_limits<double>::lowest());
 
     Point centre() const { return 0.5 * minimum + 0.5 * maximum; }
     double diagonal() const;
 };
 
-/// \throws InvalidInput that names `vertex` if the point has a coordinate that is not finite.
+/// Larger coordinates have differences that are not finite.
+constexpr double largest_coordinate = 1e300;
+/// \throws InvalidInput that names `vertex` if the point has a coordinate that is not finite, or larger than that.
 void check_finite(const Point& point, std::size_t vertex);
 
 /// The points of those indices.
@@ -57,7 +60,7 @@ Box bounding_box(const Points& points);
 class UnitFrame
 {
 public:
-    /// \throws InvalidInput for no points or for a point that is not finite.
+    /// \throws InvalidInput for no points or as check_finite() does.
     explicit UnitFrame(const Points& points);
 
     double scale() const { return scale_; } ///< Length of one unit [input units]; 1 if all points are equal.

@@ -11,6 +11,7 @@
 #include <recon/errors.h>
 #include <recon/mesh/mismatch.h>
 #include <recon/parallel.h>
+#include <recon/scan/viewpoint.h>
 #include <recon/search/nearest_samples.h>
 
 #include <algorithm>
@@ -55,7 +56,7 @@ std::vector<char> list_completed(const MeshAttempt& attempt, int threads)
 }
 
 /// The crust of the attempt's labels, on its surface but for faces that were completed.
-void make_mesh(MeshAttempt& attempt, const AmlsReconstructionOptions& options, PhaseTimes& times,
+void make_mesh(MeshAttempt& attempt, const Points& points, const AmlsReconstructionOptions& options, PhaseTimes& times,
                const Progress& progress)
 {
     const LabelledSamples& found = attempt.found;
@@ -66,6 +67,7 @@ void make_mesh(MeshAttempt& attempt, const AmlsReconstructionOptions& options, P
     crust.target_vertices = int(found.samples.size());
     crust.interpolated = &found.samples;
     crust.threads = resolve_threads(options.threads);
+    crust.find_viewpoints = [&] { return find_viewpoints(points, crust.threads, progress.part(0, 0)).in(found.frame); };
     attempt.mesh = make_crust(found.labelled, crust, progress.part(0, 0.5, "crust"), &attempt.dropped);
     found.frame.from_unit_in_place(attempt.mesh.vertices);
     attempt.is_on_surface.assign(attempt.mesh.vertices.size(), 0);
@@ -93,7 +95,7 @@ bool open_lids(MeshAttempt& attempt, const Points& points, const AmlsReconstruct
         return false;
     found.labelled = std::move(*opened);
     attempt.is_opened = true;
-    make_mesh(attempt, options, times, progress.part(0.7, 1));
+    make_mesh(attempt, points, options, times, progress.part(0.7, 1));
     return measure_mismatch(points, attempt, threads).sum() < clearly_better * mismatch;
 }
 
@@ -122,7 +124,7 @@ MeshAttempt attempt_mesh(const Points& points, const AmlsReconstructionOptions& 
     LabelledSamples labelled =
         label_points(points, surface, noise == 0, labelling, times, progress.part(0.4, 0.8, "labels"));
     MeshAttempt attempt{std::move(surface), std::move(labelled)};
-    make_mesh(attempt, options, times, progress.part(0.8, 1));
+    make_mesh(attempt, points, options, times, progress.part(0.8, 1));
     return attempt;
 }
 
@@ -292,7 +294,7 @@ bool complete_bare_faces(MeshAttempt& attempt, const AmlsSurface& surface, const
     found.backs = 0;
     found.lost_sheets = 0;
     attempt.is_opened = false;
-    make_mesh(attempt, options, times, progress.part(0.8, 1));
+    make_mesh(attempt, points, options, times, progress.part(0.8, 1));
     return true;
 }
 

@@ -96,7 +96,8 @@ TriangleMesh make_crust(CrustPolygons polygons, const LabelledBalls& labelled, c
                                          : triangulate_polygons(polygons, options.threads);
     // After the collapse, which leaves a tenth of the triangles.
     constexpr double root_of_area = 0.7; // over the median distance of neighbours, on evenly sampled surfaces
-    const DroppedBodies bodies = drop_components(mesh, options.keep_components, root_of_area * labelled.spacing);
+    const DroppedBodies bodies =
+        drop_components(mesh, options.keep_components, root_of_area * labelled.spacing, options.find_viewpoints);
     if (dropped)
         *dropped = bodies;
     progress.report(1);

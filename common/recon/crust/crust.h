@@ -2,10 +2,12 @@
 
 #include <recon/labelling/labelled_balls.h>
 #include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/kept_components.h>
 
 #include <recon/geometry.h>
 #include <recon/progress.h>
 
+#include <functional>
 #include <string>
 
 namespace recon
@@ -15,8 +17,9 @@ namespace recon
 struct CrustOptions
 {
     KeepComponents keep_components = KeepComponents::automatic;
-    bool simplify = true;                 ///< Collapse short edges.
-    int target_vertices = 0;              ///< Vertices to collapse down to, as far as no long edge must go [count].
+    bool simplify = true;    ///< Collapse short edges.
+    int target_vertices = 0; ///< Vertices to collapse down to, as far as no long edge must go [count].
+    std::function<Viewpoints()> find_viewpoints; ///< Of the samples, in the unit frame; see drop_components().
     const Points* interpolated = nullptr; ///< With `simplify`: the labelled samples, if they are free of noise; the
                                           ///< crust passes through them then, and has about one vertex for each.
     int threads = 1;                      ///< [count], >= 1. The result does not depend on it.

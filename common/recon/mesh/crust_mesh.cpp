@@ -111,24 +111,11 @@ std::vector<int> list_mixed_cells(const Triangulation& regular, const std::vecto
     return sorted;
 }
 
-struct Extent
-{
-    double volume = 0, area = 0;
-};
-
-/// Adds a triangle's part of the volume that a mesh encloses, and its area.
-void add_extent(const TriangleMesh& mesh, const std::array<int, 3>& t, double& volume, double& area)
-{
-    const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    volume += a.dot(b.cross(c)) / 6;
-    area += (b - a).cross(c - a).norm() / 2;
-}
-
 Extent measure_extent(const TriangleMesh& mesh)
 {
     Extent result;
     for (const auto& t : mesh.triangles)
-        add_extent(mesh, t, result.volume, result.area);
+        result.add(mesh, t);
     return result;
 }
 
@@ -213,6 +200,13 @@ TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads)
     return mesh;
 }
 
+void Extent::add(const TriangleMesh& mesh, const std::array<int, 3>& t)
+{
+    const Point &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    volume += a.dot(b.cross(c)) / 6;
+    area += (b - a).cross(c - a).norm() / 2;
+}
+
 MeshComponents find_components(const TriangleMesh& mesh)
 {
     DisjointSets sets(mesh.vertices.size());
@@ -262,57 +256,6 @@ std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& kee
     }
     mesh = std::move(kept);
     return former;
-}
-
-DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double spacing)
-{
-    constexpr double smallest_share_of_triangles = 0.05;
-    // Least volume over area [spacings]: of any body, and of one sampled as densely as all, with that many triangles: a
-    // board of which both sides were seen. Outliers make bodies of 0.5, nine times sparser; shells in scans have 0.25
-    // to 0.4.
-    constexpr double full = 1.5, thin = 0.4, as_dense = 2;
-    constexpr std::size_t fewest_triangles = 100;
-    DroppedBodies dropped;
-    const MeshComponents components = find_components(mesh);
-    if (kept == KeepComponents::all || components.count < 2)
-        return dropped;
-    std::vector<double> volume(std::size_t(components.count), 0), area(volume.size(), 0);
-    std::vector<std::size_t> triangles(volume.size(), 0);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    {
-        const int component = components.of_triangle[i];
-        add_extent(mesh, mesh.triangles[i], volume[component], area[component]);
-        ++triangles[component];
-    }
-    const int largest = int(std::max_element(volume.begin(), volume.end()) - volume.begin());
-    const double enough = smallest_share_of_triangles * *std::max_element(triangles.begin(), triangles.end());
-    const auto is_full = [&](int component)
-    {
-        // Two triangles a sample, or more where the crust was not simplified.
-        const double own_spacing = std::sqrt(2 * area[component] / double(triangles[component]));
-        const bool may_be_thin =
-            volume[component] > 0 && triangles[component] >= fewest_triangles && own_spacing <= as_dense * spacing;
-        return std::abs(volume[component]) >=
-               (may_be_thin ? thin : full) * std::max(spacing, own_spacing) * area[component];
-    };
-    const auto is_kept = [&](int component)
-    {
-        return component == largest ||
-               (kept == KeepComponents::automatic && (double(triangles[component]) >= enough || is_full(component)));
-    };
-    std::vector<char> keep;
-    for (const int component : components.of_triangle)
-        keep.push_back(is_kept(component));
-    keep_triangles(mesh, keep);
-    for (int component = 0; component < components.count; ++component)
-    {
-        if (is_kept(component) || volume[component] <= 0) // hollows are no bodies
-            continue;
-        ++dropped.count;
-        dropped.volume += volume[component] / volume[largest];
-        dropped.samples += double(triangles[component]) / double(components.of_triangle.size());
-    }
-    return dropped;
 }
 
 std::vector<std::vector<int>> list_rims(const TriangleMesh& mesh)

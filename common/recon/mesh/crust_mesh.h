@@ -27,6 +27,14 @@ CrustPolygons list_crust_polygons(const Triangulation& regular, const std::vecto
 /// Polygons as fans of triangles, from the corner with the best worst one; their diagonals are faux edges.
 TriangleMesh triangulate_polygons(const CrustPolygons& polygons, int threads = 1);
 
+/// What triangles enclose, and their area.
+struct Extent
+{
+    double volume = 0, area = 0;
+    /// A triangle's part.
+    void add(const TriangleMesh& mesh, const std::array<int, 3>& triangle);
+};
+
 /// Connected components of a mesh by shared vertices: per triangle its component, numbered in order of first triangle.
 struct MeshComponents
 {
@@ -39,30 +47,6 @@ MeshComponents find_components(const TriangleMesh& mesh);
 /// Keeps the triangles for which keep[triangle] != 0, and only the vertices they use.
 /// \returns for each vertex that is left its former index.
 std::vector<int> keep_triangles(TriangleMesh& mesh, const std::vector<char>& keep);
-
-/// Which components of a crust are kept.
-enum class KeepComponents
-{
-    largest,  ///< Only the one that encloses the largest volume.
-    all,      ///< Stray shells too.
-    automatic ///< The largest, those that hold a twentieth of the triangles of the one that has most, or more, and
-              ///< those that are full: volume / area of 1.5 spacings, as of a ball of 250 samples, or 0.4 if they hold
-              ///< 100 triangles as densely as the rest, as a board of which both sides were seen. What labels get wrong
-              ///< at thin walls had up to 0.041 of the triangles and 0.97 in trials, and would stay if it had 100.
-              ///< Hollows count as bodies, but must be full.
-};
-
-/// Bodies that were left out; hollows do not count.
-struct DroppedBodies
-{
-    int count = 0;
-    double volume = 0;  ///< In volumes of the largest.
-    double samples = 0; ///< Share of all, told from the triangles [0..1].
-};
-
-/// Removes the other components, and the vertices that only they use. \param spacing root of the area per sample, at
-/// least; that of a sparser component is told from its triangles.
-DroppedBodies drop_components(TriangleMesh& mesh, KeepComponents kept, double spacing);
 
 /// The boundary loops of a manifold mesh: vertices in the direction in which triangles run along them, by their lowest.
 std::vector<std::vector<int>> list_rims(const TriangleMesh& mesh);

@@ -165,11 +165,12 @@ double find_twin_spot(const Points& sorted, double diagonal)
     std::sort(steps.begin(), steps.end());
     const auto up_to = [&](double step)
     { return double(std::upper_bound(steps.begin(), steps.end(), step) - steps.begin()); };
-    for (double spot = most; spot > spot_size * diagonal; spot /= 2)
+    const double least = spot_size * diagonal;
+    for (double spot = most; spot > least; spot /= 2)
         if (const double twins = up_to(spot);
             twins >= many_twins * n && twins >= nearly_all_twins * up_to(twins_alone_within * spot))
         {
-            while (up_to(spot / 2) >= 0.99 * twins)
+            while (spot / 2 > least && up_to(spot / 2) >= 0.99 * twins)
                 spot /= 2;
             return spot;
         }

@@ -5,6 +5,7 @@
 #include <recon/labelling/labelled_balls.h>
 #include <recon/mesh/collapse_edges.h>
 #include <recon/mesh/crust_mesh.h>
+#include <recon/mesh/kept_components.h>
 #include <recon/search/neighbours.h>
 #include <recon/triangulation/delaunay.h>
 #include <recon/triangulation/polar_balls.h>
@@ -375,6 +376,53 @@ TEST(DropComponents, IsWorthAWordWhereBodiesHoldAFiftiethOfTheTriangles)
         EXPECT_NEAR(dropped.samples, all / (100.0 + all), 1e-9);
         EXPECT_EQ(describe(dropped).empty(), all == 1);
     }
+}
+
+// Readings of what is far from a scanner are as far apart.
+TEST(DropComponents, AutomaticKeepsThinBodiesAsDenseAsTheRestSeenFromTheScanner)
+{
+    // A box of so many steps along its sides.
+    const auto append_slab = [](TriangleMesh& mesh, int steps, double step, double thickness, double x)
+    {
+        const int base = int(mesh.vertices.size()), row = steps + 1;
+        const auto front = [&](int i, int j) { return base + 2 * (i * row + j); };
+        const auto append = [&](int a, int b, int c, int d)
+        {
+            mesh.triangles.push_back({a, b, c});
+            mesh.triangles.push_back({a, c, d});
+        };
+        for (int i = 0; i <= steps; ++i)
+            for (int j = 0; j <= steps; ++j)
+                for (const double depth : {0.0, thickness})
+                    mesh.vertices.push_back(Point(x + depth, step * (i - steps / 2.0), step * (j - steps / 2.0)));
+        for (int i = 0; i < steps; ++i)
+        {
+            for (int j = 0; j < steps; ++j)
+            {
+                append(front(i, j), front(i, j + 1), front(i + 1, j + 1), front(i + 1, j));
+                append(front(i, j) + 1, front(i + 1, j) + 1, front(i + 1, j + 1) + 1, front(i, j + 1) + 1);
+            }
+            append(front(i, 0), front(i + 1, 0), front(i + 1, 0) + 1, front(i, 0) + 1);
+            append(front(i + 1, steps), front(i, steps), front(i, steps) + 1, front(i + 1, steps) + 1);
+            append(front(0, i + 1), front(0, i), front(0, i) + 1, front(0, i + 1) + 1);
+            append(front(steps, i), front(steps, i + 1), front(steps, i + 1) + 1, front(steps, i) + 1);
+        }
+    };
+    TriangleMesh both;
+    append_slab(both, 60, 1, 5, 60);
+    append_slab(both, 8, 5, 6, 300);
+    ASSERT_GT(measure_volume(both), 0);
+    ASSERT_EQ(checks::examine_mesh(both).components, 2);
+    const auto count_kept = [&](const std::function<Viewpoints()>& find_viewpoints)
+    {
+        TriangleMesh mesh = both;
+        drop_components(mesh, KeepComponents::automatic, 1, find_viewpoints);
+        return find_components(mesh).count;
+    };
+    EXPECT_EQ(count_kept({}), 1);
+    EXPECT_EQ(count_kept([] { return Viewpoints(); }), 1);
+    EXPECT_EQ(count_kept([] { return Viewpoints(Point::Zero()); }), 2);
+    EXPECT_EQ(count_kept([] { return Viewpoints(Point(250, 0, 0)); }), 1);
 }
 
 TEST(CrustRepair, AbsorbsIslandsAndCutsAPlantedHandle)

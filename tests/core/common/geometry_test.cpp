@@ -32,8 +32,9 @@ TEST(UnitFrame, GivesTheSameFrameAtAnyOffsetAndScale)
 TEST(UnitFrame, RefusesPointsThatAreNotFinite)
 {
     EXPECT_THROW(UnitFrame(Points{}), InvalidInput);
-    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -8e307})
         EXPECT_THROW(UnitFrame(Points{Point(0, 0, 0), Point(0, bad, 0)}), InvalidInput);
+    EXPECT_NO_THROW(UnitFrame(Points{Point(0, 0, 0), Point(0, 1e300, 0)}));
 }
 
 TEST(CheckSpansVolume, NamesTheCause)

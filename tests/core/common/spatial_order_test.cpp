@@ -135,3 +135,18 @@ TEST(OrderInput, IsTheSameByManyThreads)
     EXPECT_EQ(by_one.order, by_many.order);
     EXPECT_EQ(by_one.representative, by_many.representative);
 }
+
+// Squares of such differences are 0: the twins' spot would shrink for ever.
+TEST(OrderInput, EndsWhereSquaredDistancesVanish)
+{
+    Points points = shapes::sphere(2000, 1, 5).points;
+    for (std::size_t i = 0; i < 200; ++i)
+        points.push_back(points[i] - points[i].cwiseProduct(Point(0, 0, 1)));
+    for (std::size_t i = 0; i < 200; ++i)
+        points.push_back(points[2000 + i] + Point(0, 0, 1e-170));
+    EXPECT_EQ(order_input(points).order.size(), 2200u);
+    Points tiny = shapes::sphere(2000, 1, 5).points;
+    for (Point& p : tiny)
+        p *= 1e-170;
+    EXPECT_EQ(order_input(tiny).order.size(), 2000u);
+}
