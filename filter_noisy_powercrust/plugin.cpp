@@ -34,7 +34,8 @@ plugin::ParameterTable<Options> table()
                 plugin::tooltips::keep_components)
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
                 "On: the points are projected onto a smooth surface (AMLS) and thinned before the crust is made; "
-                "outliers are left out. Off: the power crust of the points as they are. Automatic: on where the noise "
+                "outliers are left out. Off: the power crust of the points as they are. Automatic: on where the noise, "
+                "found or given, "
                 "is not far below the spacing of the points; isolated points are left out of clean ones, too.")
         .flag("smooth", &Options::smooth, "Smooth",
               "Vertices of a noisy cloud's crust move onto its smooth surface, and where the points show a sharp edge "

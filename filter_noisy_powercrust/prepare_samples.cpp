@@ -18,6 +18,9 @@ namespace recon
 namespace
 {
 
+/// Noise that was given and is less needs no denoising [spacings].
+constexpr double least_given_noise = 0.2;
+
 bool span_volume(const Points& points)
 {
     try
@@ -108,7 +111,9 @@ PreparedSamples prepare_samples(const Points& points, const SamplePreparationOpt
     // Rounded to steps many lie in a plane, but for an error that the steps tell.
     const bool is_rounded = options.denoise == Denoise::automatic && find_rounding(sorted);
     result.may_have_flats = options.denoise == Denoise::automatic && options.noise == 0 && !is_rounded;
-    result.is_noisy = is_rounded || cleanness.is_noisy_in_parts();
+    const bool is_told =
+        cleanness.spacing > 0 && options.noise > least_given_noise * cleanness.spacing * result.frame.scale();
+    result.is_noisy = is_told || is_rounded || cleanness.is_noisy_in_parts();
     if (!result.is_noisy)
     {
         const bool is_clean = cleanness.is_clean();

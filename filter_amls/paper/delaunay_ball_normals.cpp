@@ -36,13 +36,14 @@ void check(const DelaunayBallOptions& options)
 }
 
 /// Radius from which a ball at each point is big.
-std::vector<double> find_thresholds(const Points& points, const DelaunayBallOptions& options, int threads)
+std::vector<double> find_thresholds(const Points& points, const DelaunayBallOptions& options, int threads,
+                                    const Progress& progress)
 {
     const double ratio = options.big_ball_ratio > 0 ? options.big_ball_ratio : paper_ratio;
     const int k = std::min(options.neighbours > 0 ? options.neighbours : paper_neighbours, int(points.size()));
     const NeighbourSearch search(points);
     std::vector<double> thresholds(points.size());
-    parallel_chunks(points.size(), threads, 1024, {},
+    parallel_chunks(points.size(), threads, 1024, progress.part(0, 0.5),
                     [&](std::size_t begin, std::size_t end)
                     {
                         std::vector<int> near(k + 1);
@@ -60,7 +61,7 @@ std::vector<double> find_thresholds(const Points& points, const DelaunayBallOpti
         return thresholds;
     NoiseOptions noise_options;
     noise_options.threads = threads;
-    const NoiseEstimate noise = estimate_noise(points, noise_options);
+    const NoiseEstimate noise = estimate_noise(points, noise_options, progress.part(0.5, 1));
     parallel_for(
         points.size(), threads, {},
         [&](std::size_t i) { thresholds[i] += automatic_sigmas * noise.sigma_at(points[i]); }, 1024);
@@ -188,8 +189,9 @@ DelaunayBallNormals find_delaunay_ball_normals(const Points& input, const Delaun
     for (int i : spatial.order)
         points.push_back(frame.to_unit(input[i]));
     const int n = int(points.size());
-    const std::vector<double> threshold = find_thresholds(points, options, threads);
-    const Balls balls = find_balls(points, threshold, threads, progress.part(0, 0.7, "Delaunay triangulation"));
+    const std::vector<double> threshold =
+        find_thresholds(points, options, threads, progress.part(0, 0.2, "Size of big balls"));
+    const Balls balls = find_balls(points, threshold, threads, progress.part(0.2, 0.7, "Delaunay triangulation"));
     progress.part(0.7, 1, "Normals").report(0);
 
     DelaunayBallNormals result;

@@ -88,8 +88,9 @@ std::vector<double> measure_feature_size(const Points& queries, const Points& po
     const Points sorted = points_at(order_spatially(poles, threads).order, poles);
     const BlockSearch search(sorted, threads);
     std::vector<double> raw(queries.size(), std::numeric_limits<double>::infinity());
+    const bool is_smoothed = options.smoothing >= 2;
     parallel_for(
-        queries.size(), threads, progress,
+        queries.size(), threads, progress.part(0, is_smoothed ? 0.3 : 1),
         [&](std::size_t i)
         {
             const int pole = search.nearest(queries[i]);
@@ -97,12 +98,12 @@ std::vector<double> measure_feature_size(const Points& queries, const Points& po
                 raw[i] = (sorted[pole] - queries[i]).norm();
         },
         1024);
-    if (options.smoothing < 2)
+    if (!is_smoothed)
         return raw;
     std::vector<double> smooth(raw.size());
     const NeighbourSearch points(queries);
     const int wanted = int(std::min(std::size_t(options.smoothing), queries.size()));
-    parallel_chunks(queries.size(), threads, 1024, {},
+    parallel_chunks(queries.size(), threads, 1024, progress.part(0.3, 1),
                     [&](std::size_t begin, std::size_t end)
                     {
                         std::vector<int> near(wanted);

@@ -51,7 +51,7 @@ double measure_residual(const Points& points, int count)
 struct Place
 {
     bool is_clean = false, is_stacked = false;
-    double flat = 0, whiteness = 0, roughness = 0, noise = 0;
+    double flat = 0, whiteness = 0, roughness = 0, noise = 0, spacing = 0;
 
     bool is_noisy() const { return !is_clean && flat < 0.5 && whiteness > 0.5 && roughness > 0.1; }
 };
@@ -86,8 +86,10 @@ Place examine_place(const Points& samples, const BlockSearch& search, const Poin
         const int members = int(sheet.size());
         const double residual = measure_residual(sheet, narrow), wide = measure_residual(sheet, members);
         result.whiteness = wide > 0 ? residual / wide : 0;
-        result.roughness = residual / std::sqrt(EIGEN_PI * sheet.back().squaredNorm() / members);
+        const double spacing = std::sqrt(EIGEN_PI * sheet.back().squaredNorm() / members);
+        result.roughness = residual / spacing;
         result.noise = 2 * radius * residual;
+        result.spacing = 2 * radius * spacing;
     }
     if (!with_cells)
         return result;
@@ -166,7 +168,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     parallel_for(count, threads, {}, examine, 8);
     Cleanness result;
     result.has_noisy_lines = has_noisy_lines(samples, search, threads);
-    std::vector<double> whiteness, roughness, noise;
+    std::vector<double> whiteness, roughness, noise, spacing;
     std::vector<std::size_t> noisy;
     const double cells = double((count + 1) / 2); // are known of every second place
     for (std::size_t k = 0; k < count; ++k)
@@ -176,6 +178,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
         whiteness.push_back(place.whiteness);
         roughness.push_back(place.roughness);
         noise.push_back(place.noise);
+        spacing.push_back(place.spacing);
         if (k % 2 != 0)
             continue;
         result.long_cells += place.is_clean / cells;
@@ -197,6 +200,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     result.lower_roughness = quantile(roughness, 0.25);
     result.least_roughness = quantile(std::move(roughness), 0.1);
     result.noise = quantile(std::move(noise), 0.5);
+    result.spacing = quantile(std::move(spacing), 0.5);
     return result;
 }
 

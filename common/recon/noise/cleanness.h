@@ -44,6 +44,7 @@ struct Cleanness
     bool has_noisy_lines = false;
     /// Median distance to the quadric of the 12 nearest [length]: the noise, unless curvature hides it.
     double noise = 0;
+    double spacing = 0; ///< Median of the places [length].
 
     /// Share of samples that look free of noise.
     double share() const { return std::max(long_cells, flat_neighbours); }

@@ -31,8 +31,10 @@ constexpr double settled_share = 0.2; // of the seeds; if fewer have settled, al
 /// A sheet with twice the noise looks like a part not much thicker than the noise. But noise changes over long
 /// distances, so what exceeds that of the region around by more than this is taken for a thin part.
 constexpr double largest_excess = 1.2;
-constexpr double region_share = 0.2; // of the seeds
-constexpr int region_stride = 8;     // of its seeds so many that one is asked
+constexpr double region_share = 0.2;  // of the seeds
+constexpr int region_stride = 8;      // of its seeds so many that one is asked
+constexpr double denser_by_far = 2.5; // [ratio of spacings]
+constexpr int fewest_alike = 4;       // of the region's seeds
 /// Where noises meet that differ by this factor, each of such a share of the places, the median is the noise of
 /// neither.
 constexpr double of_one_noise = 0.3, other_noise = 4;
@@ -198,6 +200,18 @@ private:
         return count;
     }
 
+    /// Of the first `found` in `near`, seeds of the region, moves those to the front whose samples are not denser by
+    /// far: of the region of a coarse body most can lie on a fine one, far away perhaps. \param density of the seeds at
+    /// this one, which outliers do not change. \returns how many, or all of them if they are most, or too few.
+    int choose_alike(double density, int found, std::vector<int>& near) const
+    {
+        const double most = denser_by_far * denser_by_far * density;
+        const auto end = std::stable_partition(near.begin(), near.begin() + found,
+                                               [&](int k) { return raw_[region_[k]].density <= most; });
+        const int alike = int(end - near.begin());
+        return alike < fewest_alike || 2 * alike >= found ? found : alike;
+    }
+
     void look_at(std::size_t i, bool may_meet, Scratch& scratch, Around& around) const
     {
         double* const values = scratch.values.data();
@@ -206,22 +220,24 @@ private:
             find(settled_search_, seed, smoothing_seeds, scratch, [&](int k) { return raw_[settled_[k]].sigma; });
         const double settled_sigma = middle_of(values, of_settled);
 
-        const int of_region =
-            find(region_search_, seed, region_count_, scratch, [&](int k) { return raw_[region_[k]].density; });
-        const double region_spacing = 1 / std::sqrt(middle_of(values, of_region));
-        for (int k = 0; k < of_region; ++k)
-            values[k] = raw_[region_[scratch.near[k]]].sigma;
-        const RegionNoise region = find_region_noise(values, of_region, region_spacing, may_meet);
-        around.limit[i] = largest_excess * region.more;
-
         const int of_all = find(seed_search_, seed, smoothing_seeds, scratch, [&](int k) { return raw_[k].density; });
         const double density = middle_of(values, of_all);
         const double sigma = may_meet
                                  ? noise_beside_noisier(raw_, i, scratch.near.data(), of_all, settled_sigma, density)
                                  : settled_sigma;
+
+        const int found = region_search_.nearest(seed, region_count_, scratch.near.data(), scratch.squared.data());
+        const int of_region = may_meet ? choose_alike(density, found, scratch.near) : found;
+        for (int k = 0; k < of_region; ++k)
+            values[k] = raw_[region_[scratch.near[k]]].density;
+        const double region_spacing = 1 / std::sqrt(middle_of(values, of_region));
+        for (int k = 0; k < of_region; ++k)
+            values[k] = raw_[region_[scratch.near[k]]].sigma;
+        const RegionNoise region = find_region_noise(values, of_region, region_spacing, may_meet);
+        around.limit[i] = largest_excess * region.more;
         around.pooled.density[i] = density;
         around.pooled.sigma[i] = sigma;
-        around.meets[i] = region.less < region.more || sigma < settled_sigma;
+        around.meets[i] = of_region < found || region.less < region.more || sigma < settled_sigma;
         around.known[i] = {raw_[i].sigma,  region.less,     1 / std::sqrt(raw_[i].density),
                            region_spacing, raw_[i].settled, raw_[i].sheet_sigma >= 0};
     }

@@ -165,15 +165,15 @@ private:
         return is_new && is_seen_from(*found, points) ? found : std::nullopt;
     }
 
-    /// Per block what is said against a place.
-    double measure_cost(std::size_t block, const Point& place) const
+    /// What is said against a place by a block, `none` by one too short to say anything.
+    double measure_cost(std::size_t block, const Point& place, double none) const
     {
         const std::size_t begin = std::max<std::size_t>(1, block * block_),
                           end = std::min(points_.size() - 1, (block + 1) * block_);
         std::vector<double> deviations;
         for (std::size_t i = begin; i < end; i += block_ / most_asked)
             deviations.push_back(deviation_at(i, place));
-        return std::log(std::max(least_deviation, median(std::move(deviations))));
+        return deviations.empty() ? none : std::log(std::max(least_deviation, median(std::move(deviations))));
     }
 
     double least_of_candidates() const
@@ -196,7 +196,7 @@ private:
             [&](std::size_t b)
             {
                 for (std::size_t k = 0; k < candidates_.size(); ++k)
-                    against[b * labels + k] = measure_cost(b, candidates_[k].place);
+                    against[b * labels + k] = measure_cost(b, candidates_[k].place, none);
             },
             16);
         std::vector<std::vector<int>> before(blocks_, std::vector<int>(labels));

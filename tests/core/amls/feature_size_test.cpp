@@ -152,3 +152,16 @@ TEST(DelaunayBallNormals, RefuseBadInput)
     EXPECT_THROW(find_delaunay_ball_normals(points, {}, Progress([](double, const std::string&) { return false; })),
                  Cancelled);
 }
+
+// With a thousand neighbours both take most of the time.
+TEST(FeatureSize, SmoothingAndTheSizeOfBigBallsCanBeCancelled)
+{
+    const Points points = shapes::sphere(5'000, 1, 8).points;
+    FeatureSizeOptions smooth;
+    smooth.smoothing = 10;
+    EXPECT_THROW(measure_feature_size(points, {Point::Zero()}, smooth,
+                                      Progress([](double fraction, const std::string&) { return fraction < 0.5; })),
+                 Cancelled);
+    const auto is_asked = [](double, const std::string& phase) { return phase != "Size of big balls"; };
+    EXPECT_THROW(find_delaunay_ball_normals(points, {}, Progress(is_asked)), Cancelled);
+}

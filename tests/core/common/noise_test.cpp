@@ -1,3 +1,4 @@
+#include <recon/median.h>
 #include <recon/noise/noise.h>
 
 #include <recon/errors.h>
@@ -155,6 +156,20 @@ TEST(EstimateNoise, DoesNotTakeEdgesForANoisyPatch)
                 mistaken += estimate.sigma()[i] * std::sqrt(estimate.density()[i]) > 0.1;
             EXPECT_EQ(mistaken, 0) << n << ", " << seed;
         }
+}
+// Nearly all seeds lie on a body far away, whose samples are exact and a twentieth as far apart.
+TEST(EstimateNoise, IsNotHeldDownByAFinerBodyThatHoldsMostPoints)
+{
+    constexpr double sigma = 0.03;
+    Points points = shapes::with_noise(shapes::sphere(3'000, 1, 3).points, sigma, 5);
+    for (const Point& p : shapes::sphere(90'000, 0.3, 7).points)
+        points.push_back(p + Point(8, 0, 0));
+    const NoiseEstimate noise = estimate_noise(points);
+    std::vector<double> of_coarse, of_fine;
+    for (int i = 0; i < noise.size(); ++i)
+        (noise.seeds()[std::size_t(i)].x() < 4 ? of_coarse : of_fine).push_back(noise.sigma()[std::size_t(i)]);
+    EXPECT_NEAR(median(of_coarse), sigma, 0.2 * sigma);
+    EXPECT_LT(median(of_fine), 1e-4);
 }
 
 TEST(EstimateNoise, IsNotMisledByARodFilledWithNoise)

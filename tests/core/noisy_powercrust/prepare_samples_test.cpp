@@ -11,11 +11,11 @@ using namespace recon;
 namespace
 {
 
-PreparedSamples prepare(const Points& points)
+PreparedSamples prepare(const Points& points, const SamplePreparationOptions& options = {})
 {
     PhaseTimes times;
     LatestSurface latest;
-    return prepare_samples(points, {}, latest, times);
+    return prepare_samples(points, options, latest, times);
 }
 
 } // namespace
@@ -54,6 +54,18 @@ TEST(PrepareSamples, ACloudThatIsNoisyInPartsIsDenoised)
     }
     EXPECT_LT(std::sqrt(squares[1] / count[1]), 0.4 * noise);
     EXPECT_LT(std::sqrt(squares[0] / count[0]), 0.1 * noise) << "the clean half";
+}
+
+TEST(PrepareSamples, NoiseThatIsGivenIsRemovedWhetherItShowsOrNot)
+{
+    const Points torus = shapes::torus(4'000, 1, 0.3, 3).points;
+    const double spacing = std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
+    for (const double noise : {0.0, 0.1 * spacing, 0.5 * spacing})
+    {
+        SamplePreparationOptions options;
+        options.noise = noise;
+        EXPECT_EQ(prepare(torus, options).denoised, noise > 0.2 * spacing) << noise;
+    }
 }
 
 TEST(PrepareSamples, OutliersOfACleanCloudAreLeftOut)
