@@ -4,8 +4,32 @@
 
 #include <Eigen/LU>
 
+#include <typeindex>
+
 namespace plugin
 {
+namespace
+{
+
+using Allocator = vcg::tri::Allocator<CMeshO>;
+
+} // namespace
+
+const vcg::PointerToAttribute* find_radius_attribute(const CMeshO& mesh)
+{
+    vcg::PointerToAttribute named;
+    named._name = radius_attribute;
+    const auto found = mesh.vert_attr.find(named);
+    return found == mesh.vert_attr.end() ? nullptr : &*found;
+}
+
+Radii find_radii(CMeshO& mesh)
+{
+    // vcglib asks for the size of a value, not for its type.
+    const vcg::PointerToAttribute* found = find_radius_attribute(mesh);
+    return found && found->_type == typeid(Scalarm) ? Allocator::FindPerVertexAttribute<Scalarm>(mesh, radius_attribute)
+                                                    : Radii(nullptr, 0);
+}
 
 recon::Point to_point(const Point3m& p)
 {
@@ -45,8 +69,7 @@ InputLayer read_layer(MeshModel& model)
     if (model.hasDataMask(MeshModel::MM_VERTQUALITY))
         for (const CVertexO* v : vertices)
             layer.quality.push_back(static_cast<double>(v->cQ()));
-    using Allocator = vcg::tri::Allocator<CMeshO>;
-    auto radii = Allocator::FindPerVertexAttribute<Scalarm>(mesh, radius_attribute);
+    const Radii radii = find_radii(mesh);
     if (Allocator::IsValidHandle(mesh, radii))
         for (const CVertexO* v : vertices)
             layer.radii.push_back(static_cast<double>(radii[v]));

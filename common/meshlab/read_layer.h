@@ -13,6 +13,14 @@ namespace plugin
 
 constexpr char radius_attribute[] = "radius"; // the name that MeshLab's own filters use
 
+using Radii = CMeshO::PerVertexAttributeHandle<Scalarm>;
+
+/// The attribute of that name, if there is one.
+const vcg::PointerToAttribute* find_radius_attribute(const CMeshO& mesh);
+/// The same as radii; nothing, if there is none or it holds something else, of a user's. Test with vcglib's
+/// IsValidHandle().
+Radii find_radii(CMeshO& mesh);
+
 recon::Point to_point(const Point3m& p);
 
 /// The vertices in the order in which the filter sees them.

@@ -14,7 +14,6 @@ namespace
 {
 
 using Allocator = vcg::tri::Allocator<CMeshO>;
-using Radii = CMeshO::PerVertexAttributeHandle<Scalarm>;
 
 Point3m from_point(const recon::Point& p)
 {
@@ -50,7 +49,8 @@ void enable_components(MeshModel& model, const VertexValues& values)
     if (values.radii && !values.radii->empty())
     {
         mask |= MeshModel::MM_VERTRADIUS;
-        Allocator::GetPerVertexAttribute<Scalarm>(model.cm, radius_attribute);
+        if (!find_radius_attribute(model.cm)) // another of a user's stays
+            Allocator::AddPerVertexAttribute<Scalarm>(model.cm, radius_attribute);
     }
     if (mask != 0)
         model.updateDataMask(mask);
@@ -74,11 +74,13 @@ void write_values(MeshModel& model, const std::vector<CVertexO*>& vertices, cons
             vertices[i]->Q() = static_cast<Scalarm>((*values.quality)[i]);
     if (values.radii && !values.radii->empty())
     {
-        Radii radii = Allocator::GetPerVertexAttribute<Scalarm>(model.cm, radius_attribute);
+        Radii radii = find_radii(model.cm);
+        const bool has_attribute = Allocator::IsValidHandle(model.cm, radii);
         for (std::size_t i = 0; i < n; ++i)
         {
             vertices[i]->R() = static_cast<Scalarm>((*values.radii)[i]);
-            radii[vertices[i]] = static_cast<Scalarm>((*values.radii)[i]);
+            if (has_attribute)
+                radii[vertices[i]] = static_cast<Scalarm>((*values.radii)[i]);
         }
     }
     if (values.selected && !values.selected->empty())

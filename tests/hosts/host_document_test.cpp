@@ -121,6 +121,31 @@ TEST(HostDocument, WritesRadiiToBothPlacesAndReadsEither)
     EXPECT_EQ(radii_before, (std::vector<double>{2, 4, 6, 8})); // of the component
 }
 
+TEST(HostDocument, LeavesAnAttributeOfAUserThatIsCalledRadiusButHoldsSomethingElse)
+{
+    MeshDocument document;
+    MeshModel& model = add_layer(document);
+    auto letters = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<char>(model.cm, "radius");
+    for (CVertexO& vertex : model.cm.vert)
+        letters[vertex] = 'r';
+    std::vector<double> radii_before;
+    const auto write = filter(
+        [&](const plugin::InputLayer& layer, const recon::Progress&)
+        {
+            radii_before = layer.radii;
+            plugin::FilterResult result;
+            result.changed.vertices = {0, 1, 2, 3};
+            result.changed.radii = {1, 2, 3, 4};
+            return result;
+        });
+    run(write, document);
+    EXPECT_TRUE(radii_before.empty());
+    for (const CVertexO& vertex : model.cm.vert)
+        EXPECT_EQ(letters[vertex], 'r');
+    run(write, document);
+    EXPECT_EQ(radii_before, (std::vector<double>{1, 2, 3, 4})); // of the component
+}
+
 TEST(HostDocument, ChangesVerticesInPlace)
 {
     MeshDocument document;
