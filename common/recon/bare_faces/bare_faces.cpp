@@ -3,6 +3,7 @@
 #include <recon/errors.h>
 #include <recon/labelling/minimum_cut.h>
 #include <recon/parallel.h>
+#include <recon/scramble.h>
 #include <recon/search/block_search.h>
 #include <recon/search/keep_apart.h>
 #include <recon/search/neighbours.h>
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,11 @@ constexpr double bare_side = 3;
 constexpr double disk = 0.8, disk_by_distance = 0.3;
 /// New samples keep this off the others [spacings there].
 constexpr double apart = 0.7;
+/// Pieces that facets are cut into, at most [per sample; count]; 80 per sample between rounded corners, 430 and more
+/// between two circles of 2,500 samples.
+constexpr std::size_t most_pieces_per_sample = 250, most_pieces = 4'000'000;
+/// Of these, as many more where not all are kept.
+constexpr std::size_t more_if_thinned = 3;
 /// Cosine to a sample's normal within which a Voronoi vertex may be its pole.
 constexpr double pole_within = 0.7;
 
@@ -196,16 +203,46 @@ private:
     double contradicted_ = 0;
 };
 
-/// Candidates on a facet, finer than the disks that choose among them.
+/// Candidates on facets, finer than the disks that choose among them.
 class FacetFiller
 {
 public:
-    FacetFiller(const Points& samples, const std::vector<double>& spacings, const BlockSearch& search)
-        : samples_(samples), spacings_(spacings), search_(search)
+    /// \param are_thinned whether of pieces much narrower than their disks some suffice: facets from a row of samples
+    /// to a place far off lie side by side there, by the square of the samples together. \param most pieces [count].
+    FacetFiller(const Points& samples, const std::vector<double>& spacings, const BlockSearch& search, bool are_thinned,
+                std::size_t most)
+        : samples_(samples), spacings_(spacings), search_(search), are_thinned_(are_thinned), most_(most)
     {
     }
 
-    void fill(const Point& a, const Point& b, const Point& c, const Vector& normal)
+    /// \returns false if there are too many pieces: then the candidates are of no use. \throws Cancelled.
+    bool fill(const Point& a, const Point& b, const Point& c, const Progress& progress, double done)
+    {
+        const Vector across = (b - a).cross(c - a);
+        normal_ = across.normalized();
+        return fill(a, b, c, {across.norm(), 1, 0}, progress, done);
+    }
+
+    Points points;
+    Vectors normals;
+    std::vector<double> radii;
+    std::size_t pieces = 0; ///< That were looked at [count].
+
+private:
+    /// Two or three halvings halve the sides, and a double no longer tells halves of its last bit from the whole.
+    static constexpr int deepest = 120;
+    /// Width of a piece below which not all are needed [radii of the disks]: 20 and more are left per disk.
+    static constexpr double narrow = 0.3;
+    static constexpr std::size_t pieces_per_report = 8192;
+
+    struct Piece
+    {
+        double twice_area;
+        double share; ///< Of pieces like it that are still there.
+        int depth;
+    };
+
+    bool fill(const Point& a, const Point& b, const Point& c, Piece piece, const Progress& progress, double done)
     {
         const Point centre = (a + b + c) / 3;
         const auto nearest = std::size_t(search_.nearest(centre));
@@ -213,67 +250,107 @@ public:
         const double radius = std::max(disk * spacings_[nearest], disk_by_distance * distance);
         const std::array<double, 3> sides = {(b - c).norm(), (c - a).norm(), (a - b).norm()};
         const auto longest = std::max_element(sides.begin(), sides.end()) - sides.begin();
-        if (sides[std::size_t(longest)] <= radius)
+        const double length = sides[std::size_t(longest)];
+        const bool is_small = length <= radius || piece.depth == deepest;
+        const double least_radius = is_small ? radius : disk_by_distance * (distance - 2 * length / 3);
+        const bool is_left_out = are_thinned_ && leave_out(piece, length, least_radius);
+        if (is_small || is_left_out)
         {
-            if (distance < apart * spacings_[nearest])
-                return;
+            if (++pieces % pieces_per_report == 0)
+                progress.report(done);
+            if (pieces > most_)
+                return false;
+            if (is_left_out || distance < apart * spacings_[nearest])
+                return true;
             points.push_back(centre);
-            normals.push_back(normal);
+            normals.push_back(normal_);
             radii.push_back(radius);
-            return;
+            return true;
         }
         const std::array<const Point*, 3> corners = {&a, &b, &c};
         const Point &tip = *corners[std::size_t(longest)], &from = *corners[std::size_t(longest + 1) % 3],
                     &to = *corners[std::size_t(longest + 2) % 3];
         const Point middle = (from + to) / 2;
-        fill(tip, from, middle, normal);
-        fill(tip, middle, to, normal);
+        const Piece half{0.5 * piece.twice_area, piece.share, piece.depth + 1};
+        return fill(tip, from, middle, half, progress, done) && fill(tip, middle, to, half, progress, done);
     }
 
-    Points points;
-    Vectors normals;
-    std::vector<double> radii;
+    /// By chance, as few as its width asks for where disks have at least that radius.
+    bool leave_out(Piece& piece, double length, double least_radius)
+    {
+        const double share = piece.twice_area / (narrow * least_radius * length);
+        if (!(least_radius > 0) || share > 0.5 * piece.share)
+            return false;
+        const bool stays = double(scramble(chances_++) >> 11) * 0x1p-53 * piece.share < share;
+        piece.share = share;
+        return !stays;
+    }
 
-private:
     const Points& samples_;
     const std::vector<double>& spacings_;
     const BlockSearch& search_;
+    bool are_thinned_;
+    std::size_t most_;
+    Vector normal_ = Vector::Zero(); ///< Of the facet.
+    std::uint64_t chances_ = 0;
 };
 
 } // namespace
 
-BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, int threads, const Progress& progress)
+BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, const BareFacesWanted& wanted, int threads,
+                          const Progress& progress)
 {
     const TetrahedronCut cut(samples, normals, threads, progress.part(0, 0.6, "Delaunay triangulation"));
     const BlockSearch search(samples, threads);
     std::vector<double> spacings(samples.size());
     parallel_for(samples.size(), threads, {},
                  [&](std::size_t i) { spacings[i] = measure_spacing_at(samples[i], search); });
-    FacetFiller filler(samples, spacings, search);
     double area = 0, bare = 0;
-    const std::vector<Facet> boundary = cut.list_boundary();
-    const Progress filling = progress.part(0.6, 1, "bare faces");
-    for (std::size_t i = 0; i < boundary.size(); ++i)
+    std::vector<Facet> facets;
+    for (const Facet& facet : cut.list_boundary())
     {
-        filling.report(double(i) / double(boundary.size()));
-        const auto [u, v, w] = boundary[i];
+        const auto [u, v, w] = facet;
         const Point &a = samples[std::size_t(u)], &b = samples[std::size_t(v)], &c = samples[std::size_t(w)];
-        const Vector normal = (b - a).cross(c - a);
-        area += normal.norm();
+        const double twice = (b - a).cross(c - a).norm();
+        area += twice;
         const double usual = std::min({spacings[std::size_t(u)], spacings[std::size_t(v)], spacings[std::size_t(w)]});
-        if (!(normal.norm() > 0) || std::max({(b - c).norm(), (c - a).norm(), (a - b).norm()}) < bare_side * usual)
+        if (!(twice > 0) || std::max({(b - c).norm(), (c - a).norm(), (a - b).norm()}) < bare_side * usual)
             continue;
-        bare += normal.norm();
-        filler.fill(a, b, c, normal.normalized());
+        bare += twice;
+        facets.push_back(facet);
     }
     BareFaces result;
     result.contradicted = cut.contradicted();
     result.share = area > 0 ? bare / area : 0;
-    for (const int i : keep_apart(filler.points, filler.radii))
+    result.are_wanted = result.share >= wanted.least_share && result.contradicted <= wanted.most_contradicted;
+    if (!result.are_wanted)
+        return result;
+    const auto fill = [&](bool are_thinned, const Progress& filling)
     {
-        result.points.push_back(filler.points[std::size_t(i)]);
-        result.normals.push_back(filler.normals[std::size_t(i)]);
-    }
+        FacetFiller filler(samples, spacings, search, are_thinned,
+                           (are_thinned ? more_if_thinned : 1) *
+                               std::min(most_pieces, most_pieces_per_sample * samples.size()));
+        result.are_wanted = true;
+        for (std::size_t i = 0; i < facets.size() && result.are_wanted; ++i)
+        {
+            const double done = double(i) / double(facets.size());
+            filling.report(done);
+            const auto [u, v, w] = facets[i];
+            result.are_wanted =
+                filler.fill(samples[std::size_t(u)], samples[std::size_t(v)], samples[std::size_t(w)], filling, done);
+        }
+        result.pieces += filler.pieces;
+        if (!result.are_wanted)
+            return;
+        for (const int i : keep_apart(filler.points, filler.radii))
+        {
+            result.points.push_back(filler.points[std::size_t(i)]);
+            result.normals.push_back(filler.normals[std::size_t(i)]);
+        }
+    };
+    fill(false, progress.part(0.6, 0.8, "bare faces"));
+    if (!result.are_wanted)
+        fill(true, progress.part(0.8, 1, "bare faces"));
     return result;
 }
 
@@ -288,8 +365,9 @@ std::optional<LabelledBareFaces> label_with_bare_faces(std::size_t points, doubl
     {
         auto [all, are_sheet] = list_samples();
         times.begin("bare faces");
-        const BareFaces faces = fill_bare_faces(all.points, all.normals, threads, progress);
-        if (faces.share < (are_sheet ? more_than_lids : much) || faces.contradicted > bearable)
+        const BareFaces faces =
+            fill_bare_faces(all.points, all.normals, {are_sheet ? more_than_lids : much, bearable}, threads, progress);
+        if (!faces.are_wanted)
             return {};
         all.points.insert(all.points.end(), faces.points.begin(), faces.points.end());
         all.normals.insert(all.normals.end(), faces.normals.begin(), faces.normals.end());

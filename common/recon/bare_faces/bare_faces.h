@@ -19,6 +19,14 @@ struct BareFaces
     Vectors normals;         ///< Outward, of unit length, one each.
     double share = 0;        ///< Of the boundary's area that is bare [0..1].
     double contradicted = 0; ///< Share of the samples' sides that the cut puts on the other side [0..1].
+    bool are_wanted = true;  ///< Else there are no points.
+    std::size_t pieces = 0;  ///< Of bare facets, among which the points were chosen [count].
+};
+
+/// Without these, which facets alone tell, none are filled.
+struct BareFacesWanted
+{
+    double least_share = 0, most_contradicted = 1;
 };
 
 /// Labels the Delaunay tetrahedra of samples: each ties the tetrahedra behind and before it to a side, and large faces
@@ -26,7 +34,8 @@ struct BareFaces
 /// boundary, three times as long as the spacing, get samples, less densely away from those that are there. \param
 /// samples in spatial order, distinct, of unit scale, at least 4 affinely independent. \param normals outward, of unit
 /// length. \throws Cancelled.
-BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, int threads, const Progress& progress = {});
+BareFaces fill_bare_faces(const Points& samples, const Vectors& normals, const BareFacesWanted& wanted, int threads,
+                          const Progress& progress = {});
 
 /// What to tell users where bare faces were filled.
 inline constexpr char filled_faces_text[] =
