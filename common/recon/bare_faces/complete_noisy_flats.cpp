@@ -2,6 +2,7 @@
 
 #include <recon/bare_faces/noisy_faces.h>
 #include <recon/bare_faces/noisy_walls.h>
+#include <recon/bare_faces/wall_samples.h>
 #include <recon/bare_faces/way_out.h>
 
 #include <recon/bare_faces/complete_flats.h>
@@ -172,7 +173,7 @@ private:
     struct RaisedWall
     {
         OrientedSamples samples;
-        double spacing = 0; ///< Of its rim.
+        std::vector<double> gaps; ///< To the next of each [length].
     };
 
     /// What two faces say of a wall between them may differ by what noise leaves of their rims: samples of both would
@@ -186,15 +187,16 @@ private:
             std::optional<NeighbourSearch> others;
             if (!chosen.points.empty())
                 others.emplace(chosen.points);
-            const std::vector<double> apart(wall.points.size(), wall_density * raised.spacing);
-            const double beside = beside_wall * raised.spacing;
+            std::vector<double> apart;
+            for (const double gap : raised.gaps)
+                apart.push_back(wall_density * gap);
             const auto is_new = [&](int i)
             {
                 if (!others)
                     return true;
                 const int nearest = others->nearest(wall.points[i]);
                 const Vector offset = wall.points[i] - chosen.points[nearest], normal = chosen.normals[nearest];
-                return offset.norm() > beside || normal.dot(wall.normals[i]) < same_wall ||
+                return offset.norm() > beside_wall * raised.gaps[i] || normal.dot(wall.normals[i]) < same_wall ||
                        std::abs(offset.dot(normal)) < off_wall * noise_;
             };
             for (const int i : keep_apart(wall.points, apart, is_new))
@@ -378,18 +380,32 @@ private:
     {
         const Vector up = wall.side * face.normal;
         const double spacing = median(loop.gaps);
-        RaisedWall raised{{}, spacing};
+        RaisedWall raised;
         auto& [places, normals] = raised.samples;
         const auto raise = [&](const Point& foot, const Vector& away, double height)
         {
-            const int pieces = std::max(1, int(std::ceil(height / spacing)));
-            for (int j = 1; j <= pieces; ++j)
+            const Vector normal = -wall.side * away;
+            const auto add = [&](double above, double gap, bool is_top)
             {
-                const Vector normal = -wall.side * away;
-                places.push_back(foot + (height * j / pieces) * up);
+                places.push_back(foot + above * up);
                 placed_.push_back(places.back());
-                normals.push_back(ends_at_base && j == pieces ? Vector(normal - face.normal).normalized() : normal);
+                raised.gaps.push_back(gap);
+                normals.push_back(ends_at_base && is_top ? Vector(normal - face.normal).normalized() : normal);
+            };
+            const double rows = std::max(1.0, std::ceil(height / spacing));
+            if (rows <= 2 * even_rows)
+            {
+                for (int j = 1; j <= int(rows); ++j)
+                    add(height * j / rows, spacing, j == int(rows));
+                return;
             }
+            add(height, spacing, true);
+            list_rows(height, spacing,
+                      [&](double above, double gap)
+                      {
+                          add(above, gap, false);
+                          add(height - above, gap, false);
+                      });
         };
         for (std::size_t k = 0; k < loop.rim.size(); ++k)
             rim_normals_[loop.rim[k]] -= wall.side * loop.away[k];

@@ -12,6 +12,24 @@
 namespace recon
 {
 
+/// Walls up to twice as many rows of samples high have them evenly.
+inline constexpr double even_rows = 20;
+
+/// Calls row(above, gap) for rows of samples up to halfway over a rim: `spacing` apart next to it, and only far from
+/// both rims farther, as on faces, or rims divided ever finer would have samples by the square. \param above over the
+/// rim. \param gap to the row below.
+template <class Row>
+void list_rows(double height, double spacing, Row&& row)
+{
+    constexpr double growth = 0.15;
+    double gap = spacing; // 0 where squares of distances are too small for a double
+    for (double above = gap; gap > 0 && above < 0.5 * height; above += gap)
+    {
+        row(above, gap);
+        gap = spacing + growth * std::max(above - even_rows * spacing, 0.0);
+    }
+}
+
 /// Gathers samples on walls between rims.
 class WallSamples
 {
@@ -20,7 +38,7 @@ public:
     WallSamples(const NeighbourSearch& search, const Points& present) : search_(search), present_(present) {}
 
     /// From one rim to another, `spacing` apart: where samples are farther apart, walls beside others get handles.
-    /// Only far from both rims they are, as on faces, or rims divided ever finer would have samples by the square.
+    /// Only far from both rims they are.
     void raise(const Point& foot, const Point& end, double spacing)
     {
         const double height = (end - foot).norm(), pieces = std::ceil(height / spacing);
@@ -30,13 +48,12 @@ public:
                 add(foot + (end - foot) * (k / pieces), spacing);
             return;
         }
-        double gap = spacing; // 0 where squares of distances are too small for a double
-        for (double above = gap; gap > 0 && above < 0.5 * height; above += gap)
-        {
-            add(foot + (end - foot) * (above / height), gap);
-            add(end + (foot - end) * (above / height), gap);
-            gap = spacing + growth * std::max(above - even_rows * spacing, 0.0);
-        }
+        list_rows(height, spacing,
+                  [&](double above, double gap)
+                  {
+                      add(foot + (end - foot) * (above / height), gap);
+                      add(end + (foot - end) * (above / height), gap);
+                  });
     }
 
     /// Walls may meet, and rise from both of their rims.
@@ -48,8 +65,6 @@ public:
     }
 
 private:
-    static constexpr double even_rows = 20, growth = 0.15;
-
     void add(const Point& p, double spacing)
     {
         positions_.push_back(p);

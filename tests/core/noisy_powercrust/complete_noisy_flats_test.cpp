@@ -381,6 +381,21 @@ TEST(CompleteBareFaces, CrustOfABoxOfWhichTheRoundedCornersAreKnown)
     }
 }
 
+TEST(CompleteNoisyFlats, RimsDividedEverFinerHaveSamplesInProportion)
+{
+    // The wall is as high whatever the spacing of the rims: 64 and 128 times.
+    const auto count = [](int pieces)
+    {
+        Points rod;
+        for (const double z : {0.0, 1.2})
+            append_ring(rod, 0, 0, z, 0.3, pieces);
+        return complete(shapes::with_noisy_copies(rod, 0.0005, 4, 1)).points.size();
+    };
+    const std::size_t coarse = count(100), fine = count(200);
+    EXPECT_GT(coarse, 4000u);
+    EXPECT_LT(double(fine), 2.6 * double(coarse));
+}
+
 TEST(CompleteNoisyFlats, LeavesWellSampledCloudsAlone)
 {
     const Points box = shapes::box(6000, Vector(0.6, 0.5, 0.4), 3).points;
