@@ -158,6 +158,25 @@ TEST(CompleteFlats, RimsDividedEverFinerHaveSamplesInProportion)
     EXPECT_LT(double(fine.points.size()), 6 * double(coarse.points.size()));
 }
 
+TEST(CompleteFlats, FaceOfTooManyPiecesStaysBare)
+{
+    // Triangles run along a row of samples, and get pieces as small as its spacing from end to end.
+    const auto fill = [](int samples)
+    {
+        Points rims;
+        FlatFace face{Point::Zero(), Vector::UnitZ(), {}, {}, {}};
+        for (int i = 0; i <= samples; ++i)
+            rims.emplace_back(double(i) / samples, 0, 0);
+        rims.emplace_back(0.5, 3.0 / samples, 0);
+        for (int i = 0; i < int(rims.size()); ++i)
+            face.rim.push_back(i);
+        face.triangles.assign(4, {0, samples, samples + 1});
+        return fill_face(face, rims, {Point(9, 9, 9)}, 1);
+    };
+    EXPECT_FALSE(fill(20).empty());
+    EXPECT_TRUE(fill(2000).empty());
+}
+
 TEST(CompleteFlats, LeavesWellSampledCloudsAlone)
 {
     EXPECT_TRUE(complete_flats(shapes::box(6000, Vector(0.6, 0.5, 0.4), 3).points).points.empty());
