@@ -134,10 +134,20 @@ private:
                                                }));
             return Refined{std::move(r.points), std::move(r.normals), std::move(r.parents)};
         };
-        result_.hole_points = put_in_if_allowed(fill_holes(usable_, prepared_.fans, options_.boundary_angle * radians,
-                                                           options_.hole_radius / frame_.scale(), refine, threads_,
-                                                           progress.part(0, 0.9)),
-                                                progress.part(0.9, 1));
+        const FilledHoles holes =
+            fill_holes(usable_, prepared_.fans, prepared_.spacing, options_.boundary_angle * radians,
+                       options_.hole_radius / frame_.scale(), refine, threads_, progress.part(0, 0.9));
+        result_.hole_points = put_in_if_allowed(holes.added, progress.part(0.9, 1));
+        if (!holes.added.samples.points.empty() && result_.hole_points == 0)
+            result_.warnings.push_back("No hole was filled: that would make more points than the largest number "
+                                       "allowed (" +
+                                       std::to_string(options_.max_points) + ").");
+        else if (holes.too_wide > 0)
+            result_.warnings.push_back(count_of(holes.too_wide, "hole is", "holes are") +
+                                       " wider than the hole radius and stayed open.");
+        else if (holes.has_rims && result_.hole_points == 0)
+            result_.warnings.push_back("No hole was filled: between the rims there is none that is both at least some "
+                                       "two spacings of the points and at most the hole radius in radius.");
     }
 
     void put_into_voids(const Progress& progress)

@@ -2,7 +2,6 @@
 
 #include "sparse_set.h"
 
-#include <recon/median.h>
 #include <recon/parallel.h>
 #include <recon/search/neighbours.h>
 
@@ -10,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 namespace recon::pn
@@ -18,7 +18,18 @@ namespace
 {
 
 /// Points put into a hole keep this distance from each other and from the samples [spacings].
-constexpr double apart = 0.6;
+constexpr double apart = 0.75;
+/// Circles this wide are holes [spacings]: random samples leave narrower ones everywhere, and the steps close those.
+constexpr double least_room = 2;
+/// Wider holes than this stay open [hole radii]: a ragged rim lies farther back than the hole that was cut.
+constexpr double most_room = 1.25;
+/// What the nearest sample lies above or below [sine] is no hole: there the coarse surface misses the fine one.
+constexpr double steepest = 0.6;
+/// From one thinning to the next: the steps close some 2.5 spacings, on curved surfaces two.
+constexpr double coarser = 1.4142135623730951;
+constexpr int probe_steps = 3;      ///< They show where holes are, at little cost.
+constexpr double finest = 1.0 / 64; ///< Points in a hole, in distances of the thinned samples around it.
+constexpr double most_at_once = 4e6;
 constexpr std::size_t samples_at_once = 1024; ///< Between two reports of progress.
 
 /// Open balls in classes of like radii, so that the nearest centre of a class mostly tells: within the largest radius
@@ -77,35 +88,54 @@ private:
     std::vector<std::unique_ptr<Class>> classes_; // searches refer to the centres
 };
 
+/// Points each of which keeps a distance of its own: two of them about the lesser of theirs.
+class SparseSetOfSizes
+{
+public:
+    bool has_near(const Point& p, double distance) const
+    {
+        return std::any_of(sets_.begin(), sets_.end(),
+                           [&](const auto& set) { return set.second.has_near(p, distance); });
+    }
+    void add(const Point& p, double distance)
+    {
+        const int size = int(std::ceil(std::log(distance) / std::log(growth)));
+        sets_.try_emplace(size, std::pow(growth, size)).first->second.add(p);
+    }
+
+private:
+    static constexpr double growth = 1.25;
+    std::map<int, SparseSet> sets_; ///< Of all whose distance is this power or a little less.
+};
+
 class HoleFiller
 {
 public:
-    HoleFiller(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
-               int threads)
-        : usable_(usable), fans_(fans), hole_radius_(hole_radius), threads_(threads)
+    HoleFiller(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
+               double boundary_angle, double hole_radius, int threads)
+        : usable_(usable), hole_radius_(hole_radius), threads_(threads), samples_(usable.samples),
+          spacing_(spacing.begin(), spacing.end())
     {
-        std::vector<double> spacings;
         for (int i = 0; i < int(usable.input.size()); ++i)
-            if (fans.widest_gap[std::size_t(i)] > boundary_angle && !usable.is_crease[std::size_t(i)] && spacing(i) > 0)
-            {
+            if (fans.widest_gap[std::size_t(i)] > boundary_angle && !usable.is_crease[std::size_t(i)] &&
+                fans.radius[std::size_t(i)] > 0 && spacing[std::size_t(i)] > 0)
                 rims_.push_back(i);
-                spacings.push_back(spacing(i));
-            }
-        usual_ = median(std::move(spacings));
+        search_ = std::make_unique<NeighbourSearch>(samples_.points);
     }
 
-    AddedSamples fill(const RefineCoarse& refine, const Progress& progress) const
+    FilledHoles fill(const RefineCoarse& refine, const Progress& progress)
     {
-        if (rims_.empty() || hole_radius_ <= usual_)
-            return {};
-        const Coarse coarse = thin_around_rims(progress.part(0, 0.1));
-        if (coarse.samples.points.size() < 3)
-            return {};
-        const double ratio = hole_radius_ / (apart * usual_);
-        const Refined refined =
-            refine(coarse.samples, std::clamp(int(std::ceil(std::log(ratio) / std::log(1.7))) + 1, 1, 12),
-                   progress.part(0.1, 0.7));
-        return keep_in_holes(refined, coarse, progress.part(0.7, 1));
+        filled_.has_rims = !rims_.empty();
+        const std::vector<double> distances = thinning_distances();
+        if (!distances.empty())
+            find_distances_to_rims(progress.part(0, 0.05));
+        for (std::size_t k = 0; k < distances.size(); ++k)
+        {
+            const auto at = [&](std::size_t level) { return 0.05 + 0.95 * double(level) / double(distances.size()); };
+            filled_.too_wide = 0; // those of the coarsest are the same ones
+            fill_level(distances[k], refine, progress.part(at(k), at(k + 1)));
+        }
+        return std::move(filled_);
     }
 
 private:
@@ -113,110 +143,259 @@ private:
     struct Coarse
     {
         OrientedSamples samples;
-        std::vector<int> origin; ///< Usable samples.
+        std::vector<int> origin; ///< Samples.
+        std::vector<double> spacing;
     };
 
-    const Point& point(int i) const { return usable_.samples.points[std::size_t(i)]; }
-    /// Radius of a fan without its factor: a little more than the spacing.
-    double spacing(int i) const { return fans_.radius[std::size_t(i)] / 1.5; }
+    /// A place on the coarse surface.
+    struct Place
+    {
+        int nearest;    ///< Sample.
+        double room;    ///< From there.
+        double spacing; ///< Usual here.
+        bool is_hole;
+    };
 
-    Coarse thin_around_rims(const Progress& progress) const
+    int input_count() const { return int(usable_.input.size()); }
+    const Point& point(int i) const { return samples_.points[std::size_t(i)]; }
+
+    /// Ascending. A hole is filled with the first that spans it, from samples as near to it as can be.
+    std::vector<double> thinning_distances() const
+    {
+        double least = hole_radius_;
+        for (int i : rims_)
+            least = std::min(least, spacing_[std::size_t(i)]);
+        std::vector<double> distances;
+        constexpr std::size_t most = 40;
+        for (double d = hole_radius_ / coarser; d > 1.1 * least && distances.size() < most; d /= coarser)
+            distances.push_back(d);
+        std::reverse(distances.begin(), distances.end());
+        return distances;
+    }
+
+    void find_distances_to_rims(const Progress& progress)
     {
         Points rims;
         for (int i : rims_)
             rims.push_back(point(i));
-        const NeighbourSearch rim_search(rims);
-        const auto look = [&](std::size_t i, std::vector<int>& found)
-        {
-            const Point& p = usable_.samples.points[i];
-            if ((p - rims[std::size_t(rim_search.nearest(p))]).norm() < 3 * hole_radius_)
-                found.push_back(int(i));
-        };
-        std::vector<int> order = rims_; // rims first: they say how the surface enters the hole
-        const std::vector<int> around =
-            parallel_collect<int>(usable_.input.size(), threads_, progress, look, samples_at_once);
-        order.insert(order.end(), around.begin(), around.end());
-        SparseSet thinned(hole_radius_);
+        const NeighbourSearch search(rims);
+        to_rim_.resize(samples_.points.size());
+        parallel_for(
+            to_rim_.size(), threads_, progress,
+            [&](std::size_t i)
+            { to_rim_[i] = (point(int(i)) - rims[std::size_t(search.nearest(point(int(i))))]).norm(); },
+            samples_at_once);
+    }
+
+    void fill_level(double distance, const RefineCoarse& refine, const Progress& progress)
+    {
+        const auto steps_for = [&](double spacing)
+        { return std::clamp(int(std::ceil(std::log(distance / (0.6 * spacing)) / std::log(1.7))) + 1, 1, 12); };
+        Coarse coarse = thin_around_rims(distance);
+        if (coarse.samples.points.size() < 3)
+            return;
+        Refined refined = refine(coarse.samples, probe_steps, progress.part(0, 0.2));
+        std::vector<Place> places = look_at(refined, coarse, 0, progress.part(0.2, 0.3));
+        Points holes;
+        double spacing = distance;
+        for (std::size_t k = 0; k < places.size(); ++k)
+            if (places[k].is_hole)
+            {
+                holes.push_back(refined.points[k]);
+                spacing = std::min(spacing, places[k].spacing);
+            }
+        if (holes.empty())
+            return;
+        coarse = keep_near(coarse, holes, 5 * distance);
+        if (coarse.samples.points.size() < 3)
+            return;
+        spacing = std::max({spacing, finest * distance,
+                            distance / 0.6 * std::sqrt(double(coarse.samples.points.size()) / most_at_once)});
+        refined = refine(coarse.samples, steps_for(spacing), progress.part(0.3, 0.7));
+        places = look_at(refined, coarse, spacing, progress.part(0.7, 0.8));
+        keep_in_holes(refined, coarse, places);
+        search_ = std::make_unique<NeighbourSearch>(samples_.points);
+        progress.report(1);
+    }
+
+    Coarse thin_around_rims(double distance) const
+    {
+        SparseSet thinned(distance);
         Coarse coarse;
-        for (int i : order)
+        const auto offer = [&](int i)
         {
-            if (thinned.has_near(point(i)))
-                continue;
+            // Samples farther apart than this have no holes of that size.
+            if (spacing_[std::size_t(i)] > 1.5 * distance || thinned.has_near(point(i)))
+                return;
             thinned.add(point(i));
-            coarse.samples.points.push_back(point(i));
-            coarse.samples.normals.push_back(usable_.samples.normals[std::size_t(i)]);
-            coarse.origin.push_back(i);
-        }
+            add(coarse, i);
+        };
+        for (int i : rims_) // first: they say how the surface enters the hole
+            offer(i);
+        for (int i = 0; i < int(samples_.points.size()); ++i)
+            if (to_rim_[std::size_t(i)] < 3 * distance)
+                offer(i);
         return coarse;
     }
 
-    AddedSamples keep_in_holes(const Refined& refined, const Coarse& coarse, const Progress& progress) const
+    void add(Coarse& coarse, int i) const
     {
-        const NeighbourSearch search(usable_.samples.points);
-        const std::size_t count = refined.points.size();
-        std::vector<int> nearest(count);
+        coarse.samples.points.push_back(point(i));
+        coarse.samples.normals.push_back(samples_.normals[std::size_t(i)]);
+        coarse.origin.push_back(i);
+        coarse.spacing.push_back(spacing_[std::size_t(i)]);
+    }
+
+    Coarse keep_near(const Coarse& coarse, const Points& places, double reach) const
+    {
+        const NeighbourSearch search(places);
+        Coarse kept;
+        for (int i : coarse.origin)
+            if ((point(i) - places[std::size_t(search.nearest(point(i)))]).norm() < reach)
+                add(kept, i);
+        return kept;
+    }
+
+    /// The spacing of a place is that of the samples which the surface comes from there, not of the nearest alone:
+    /// beside a dense patch a sparse cloud has no holes. \param least spacing.
+    std::vector<Place> look_at(const Refined& refined, const Coarse& coarse, double least,
+                               const Progress& progress) const
+    {
+        std::vector<Place> places(refined.points.size());
+        for (std::size_t k = 0; k < places.size(); ++k)
+        {
+            places[k].spacing = 0;
+            for (int parent : refined.parents[k])
+            {
+                const auto p = std::size_t(parent), n = coarse.origin.size();
+                places[k].spacing += (p < n ? coarse.spacing[p] : places[p - n].spacing) / 3;
+            }
+        }
         parallel_for(
-            count, threads_, progress.part(0, 0.5),
-            [&](std::size_t k) { nearest[k] = search.nearest(refined.points[k]); }, samples_at_once);
-        const auto room_at = [&](std::size_t k) { return (refined.points[k] - point(nearest[k])).norm(); };
+            places.size(), threads_, progress,
+            [&](std::size_t k)
+            {
+                Place& place = places[k];
+                place.nearest = search_->nearest(refined.points[k]);
+                const Vector to_nearest = point(place.nearest) - refined.points[k];
+                place.room = to_nearest.norm();
+                place.spacing = std::max({place.spacing, spacing_[std::size_t(place.nearest)], least});
+                place.is_hole = place.room > least_room * place.spacing &&
+                                std::abs(to_nearest.dot(refined.normals[k])) < steepest * place.room;
+            },
+            samples_at_once);
+        return places;
+    }
+
+    /// Of places in holes those of holes that are not too wide.
+    std::vector<std::size_t> centres_of_holes(const Refined& refined, const std::vector<Place>& places)
+    {
+        std::vector<std::size_t> found;
+        Points points;
+        for (std::size_t k = 0; k < places.size(); ++k)
+            if (places[k].is_hole)
+            {
+                found.push_back(k);
+                points.push_back(refined.points[k]);
+            }
+        if (found.empty())
+            return {};
+        const NeighbourSearch search(points);
+        std::vector<int> hole(found.size(), -1), near, front;
+        std::vector<double> widest;
+        for (std::size_t first = 0; first < found.size(); ++first)
+        {
+            if (hole[first] >= 0)
+                continue;
+            const int own = int(widest.size());
+            widest.push_back(0);
+            hole[first] = own;
+            front = {int(first)};
+            while (!front.empty())
+            {
+                const auto k = std::size_t(front.back());
+                front.pop_back();
+                const Place& place = places[found[k]];
+                widest.back() = std::max(widest.back(), place.room);
+                search.within(points[k], 1.5 * place.spacing, near);
+                for (int j : near)
+                    if (hole[std::size_t(j)] < 0)
+                    {
+                        hole[std::size_t(j)] = own;
+                        front.push_back(j);
+                    }
+            }
+        }
+        const auto is_too_wide = [&](double room) { return room > most_room * hole_radius_; };
+        filled_.too_wide = int(std::count_if(widest.begin(), widest.end(), is_too_wide));
+        std::vector<std::size_t> centres;
+        for (std::size_t k = 0; k < found.size(); ++k)
+            if (!is_too_wide(widest[std::size_t(hole[k])]))
+                centres.push_back(found[k]);
+        return centres;
+    }
+
+    void keep_in_holes(const Refined& refined, const Coarse& coarse, const std::vector<Place>& places)
+    {
         // What is filled is the union of large empty balls: the usual unevenness of samples is left to refinement.
         Points centres;
         std::vector<double> radii;
-        for (std::size_t k = 0; k < count; ++k)
-            if (const double room = room_at(k); room > 1.5 * std::max(usual_, spacing(nearest[k])))
-            {
-                centres.push_back(refined.points[k]);
-                radii.push_back(std::min(1.1 * room, 1.5 * hole_radius_));
-            }
+        for (std::size_t k : centres_of_holes(refined, places))
+        {
+            centres.push_back(refined.points[k]);
+            radii.push_back(1.1 * places[k].room);
+        }
         const UnionOfBalls holes(centres, radii);
 
-        AddedSamples fill;
-        SparseSet taken(apart * usual_);
-        const int n = int(usable_.input.size()), coarse_count = int(coarse.origin.size());
-        std::vector<int> place(count, -1); // in usable samples followed by the fill
-        for (std::size_t k = 0; k < count; ++k)
+        SparseSetOfSizes taken;
+        const std::size_t coarse_count = coarse.origin.size();
+        std::vector<int> sample(refined.points.size(), -1);
+        for (std::size_t k = 0; k < refined.points.size(); ++k)
         {
-            if (k % samples_at_once == 0)
-                progress.part(0.5, 1).report(double(k) / double(count));
             const Point& p = refined.points[k];
-            const double free = std::max(apart * usual_, apart * std::min(spacing(nearest[k]), 2 * usual_));
+            const double free = apart * places[k].spacing;
             std::array<int, 3> parents;
             for (std::size_t m = 0; m < 3; ++m)
             {
-                const int parent = refined.parents[k][m];
-                parents[m] = parent < coarse_count ? coarse.origin[std::size_t(parent)]
-                                                   : place[std::size_t(parent - coarse_count)];
+                const auto parent = std::size_t(refined.parents[k][m]);
+                parents[m] = parent < coarse_count ? coarse.origin[parent] : sample[parent - coarse_count];
             }
-            const auto is_frozen = [&](int parent) { return parent < n && usable_.is_frozen[std::size_t(parent)]; };
-            if (room_at(k) <= free || taken.has_near(p) || std::all_of(parents.begin(), parents.end(), is_frozen) ||
-                !holes.hold(p))
+            const auto is_frozen = [&](int i) { return i < input_count() && usable_.is_frozen[std::size_t(i)]; };
+            if (places[k].room <= free || taken.has_near(p, free) ||
+                std::all_of(parents.begin(), parents.end(), is_frozen) || !holes.hold(p))
             {
-                place[k] = parents[0]; // stands in for it among the parents of others
+                sample[k] = parents[0]; // stands in for it among the parents of others
                 continue;
             }
-            place[k] = n + int(fill.samples.points.size());
-            fill.samples.points.push_back(p);
-            fill.samples.normals.push_back(refined.normals[k]);
-            fill.parents.push_back(parents);
-            taken.add(p);
+            sample[k] = int(samples_.points.size());
+            filled_.added.samples.points.push_back(p);
+            filled_.added.samples.normals.push_back(refined.normals[k]);
+            filled_.added.parents.push_back(parents);
+            samples_.points.push_back(p);
+            samples_.normals.push_back(refined.normals[k]);
+            spacing_.push_back(places[k].spacing);
+            to_rim_.push_back(0);
+            taken.add(p, free);
         }
-        return fill;
     }
 
     const UsableSamples& usable_;
-    const InitialFans& fans_;
     const double hole_radius_;
     const int threads_;
+    OrientedSamples samples_; ///< Usable ones, then those put in.
+    std::vector<double> spacing_, to_rim_;
     std::vector<int> rims_;
-    double usual_ = 0; ///< Spacing on rims.
+    std::unique_ptr<NeighbourSearch> search_; ///< Of the samples.
+    FilledHoles filled_;
 };
 
 } // namespace
 
-AddedSamples fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
-                        const RefineCoarse& refine, int threads, const Progress& progress)
+FilledHoles fill_holes(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
+                       double boundary_angle, double hole_radius, const RefineCoarse& refine, int threads,
+                       const Progress& progress)
 {
-    return HoleFiller(usable, fans, boundary_angle, hole_radius, threads).fill(refine, progress);
+    return HoleFiller(usable, fans, spacing, boundary_angle, hole_radius, threads).fill(refine, progress);
 }
 
 } // namespace recon::pn

@@ -23,11 +23,20 @@ struct Refined
 
 using RefineCoarse = std::function<Refined(const OrientedSamples&, int steps, const Progress&)>;
 
+struct FilledHoles
+{
+    AddedSamples added;
+    bool has_rims = false; ///< Whether there is anything that a hole could begin at.
+    int too_wide = 0;      ///< Holes that were left open for their size, as far as the coarse surface spans them.
+};
+
 /// Fills holes up to `hole_radius` [units of the samples]. Radii that overlap a hole, as the paper has it, are only
-/// helpful among points as far apart as the hole is wide: so the samples around rims are thinned to that distance,
-/// refined by `refine` until they are dense again, and of what that makes the points in the holes are kept, as dense as
-/// the samples around them. None comes from frozen samples alone.
-AddedSamples fill_holes(const UsableSamples& usable, const InitialFans& fans, double boundary_angle, double hole_radius,
-                        const RefineCoarse& refine, int threads, const Progress& progress);
+/// helpful among points as far apart as the hole is wide: so the samples around rims are thinned, to one distance after
+/// the other, finest first, refined by `refine` until they are dense again, and of what that makes the points in the
+/// holes are kept, as dense as the samples around each. None comes from frozen samples alone. \param spacing per
+/// sample.
+FilledHoles fill_holes(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
+                       double boundary_angle, double hole_radius, const RefineCoarse& refine, int threads,
+                       const Progress& progress);
 
 } // namespace recon::pn

@@ -2,6 +2,7 @@
 
 #include <recon/geometry.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <unordered_map>
 
@@ -14,15 +15,19 @@ class SparseSet
 public:
     explicit SparseSet(double distance) : distance_(distance) {}
 
-    bool has_near(const Point& p) const
+    bool has_near(const Point& p) const { return has_near(p, distance_); }
+
+    /// Whether one is nearer than `distance`, or than that of the set if it is less.
+    bool has_near(const Point& p, double distance) const
     {
+        const double squared = std::min(distance, distance_) * std::min(distance, distance_);
         const Eigen::Array3i cell = cell_of(p);
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
                 for (int z = -1; z <= 1; ++z)
                     if (const auto found = cells_.find(key(cell + Eigen::Array3i(x, y, z))); found != cells_.end())
                         for (const Point& q : found->second)
-                            if ((p - q).squaredNorm() < distance_ * distance_)
+                            if ((p - q).squaredNorm() < squared)
                                 return true;
         return false;
     }
