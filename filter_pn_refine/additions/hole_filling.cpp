@@ -27,9 +27,15 @@ constexpr double most_room = 1.25;
 constexpr double steepest = 0.6;
 /// From one thinning to the next: the steps close some 2.5 spacings, on curved surfaces two.
 constexpr double coarser = 1.4142135623730951;
-constexpr int probe_steps = 3;      ///< They show where holes are, at little cost.
-constexpr double finest = 1.0 / 64; ///< Points in a hole, in distances of the thinned samples around it.
-constexpr double most_at_once = 4e6;
+/// Share of the samples around a hole that must end the surface there; those behind a ragged rim have closed fans.
+constexpr double least_open = 0.55;
+constexpr double open_fan = 2.0943951; ///< Gap of a fan that ends the surface [radians], except where holes are small:
+constexpr double small = 3;            ///< there even fans on their rims have narrower ones [spacings].
+constexpr double least_of_distance = 0.6; ///< Room of a hole that was not filled by finer thinnings.
+constexpr int probe_steps = 3;            ///< They show where holes are, at little cost.
+constexpr double finest = 1.0 / 64;       ///< Points in a hole, in distances of the thinned samples around it.
+constexpr double finer = 0.6;             ///< Refined places, of which those in holes are thinned out [spacings].
+constexpr double most_at_once = 4e6;      ///< Places on a coarse surface, beyond which holes are filled less densely.
 constexpr std::size_t samples_at_once = 1024; ///< Between two reports of progress.
 
 /// Open balls in classes of like radii, so that the nearest centre of a class mostly tells: within the largest radius
@@ -113,7 +119,7 @@ class HoleFiller
 public:
     HoleFiller(const UsableSamples& usable, const InitialFans& fans, const std::vector<float>& spacing,
                double boundary_angle, double hole_radius, int threads)
-        : usable_(usable), hole_radius_(hole_radius), threads_(threads), samples_(usable.samples),
+        : usable_(usable), fans_(fans), hole_radius_(hole_radius), threads_(threads), samples_(usable.samples),
           spacing_(spacing.begin(), spacing.end())
     {
         for (int i = 0; i < int(usable.input.size()); ++i)
@@ -167,7 +173,7 @@ private:
             least = std::min(least, spacing_[std::size_t(i)]);
         std::vector<double> distances;
         constexpr std::size_t most = 40;
-        for (double d = hole_radius_ / coarser; d > 1.1 * least && distances.size() < most; d /= coarser)
+        for (double d = hole_radius_; d > 1.1 * least && distances.size() < most; d /= coarser)
             distances.push_back(d);
         std::reverse(distances.begin(), distances.end());
         return distances;
@@ -190,7 +196,7 @@ private:
     void fill_level(double distance, const RefineCoarse& refine, const Progress& progress)
     {
         const auto steps_for = [&](double spacing)
-        { return std::clamp(int(std::ceil(std::log(distance / (0.6 * spacing)) / std::log(1.7))) + 1, 1, 12); };
+        { return std::clamp(int(std::ceil(std::log(distance / (finer * spacing)) / std::log(1.7))) + 1, 1, 12); };
         Coarse coarse = thin_around_rims(distance);
         if (coarse.samples.points.size() < 3)
             return;
@@ -210,10 +216,10 @@ private:
         if (coarse.samples.points.size() < 3)
             return;
         spacing = std::max({spacing, finest * distance,
-                            distance / 0.6 * std::sqrt(double(coarse.samples.points.size()) / most_at_once)});
+                            distance / finer * std::sqrt(double(coarse.samples.points.size()) / most_at_once)});
         refined = refine(coarse.samples, steps_for(spacing), progress.part(0.3, 0.7));
         places = look_at(refined, coarse, spacing, progress.part(0.7, 0.8));
-        keep_in_holes(refined, coarse, places);
+        keep_in_holes(refined, coarse, places, distance);
         search_ = std::make_unique<NeighbourSearch>(samples_.points);
         progress.report(1);
     }
@@ -287,8 +293,15 @@ private:
         return places;
     }
 
-    /// Of places in holes those of holes that are not too wide.
-    std::vector<std::size_t> centres_of_holes(const Refined& refined, const std::vector<Place>& places)
+    /// Places that are near to each other and in holes.
+    struct Hole
+    {
+        double room = 0, spacing = 0;      ///< Of the place that has most room.
+        std::map<int, std::size_t> widest; ///< Per sample around it that place of its own which has most room.
+        std::vector<std::size_t> places;
+    };
+
+    std::vector<Hole> collect_holes(const Refined& refined, const std::vector<Place>& places) const
     {
         std::vector<std::size_t> found;
         Points points;
@@ -301,46 +314,81 @@ private:
         if (found.empty())
             return {};
         const NeighbourSearch search(points);
-        std::vector<int> hole(found.size(), -1), near, front;
-        std::vector<double> widest;
+        std::vector<char> is_taken(found.size(), 0);
+        std::vector<int> near, front;
+        std::vector<Hole> holes;
         for (std::size_t first = 0; first < found.size(); ++first)
         {
-            if (hole[first] >= 0)
+            if (std::exchange(is_taken[first], char(1)))
                 continue;
-            const int own = int(widest.size());
-            widest.push_back(0);
-            hole[first] = own;
+            Hole& hole = holes.emplace_back();
             front = {int(first)};
             while (!front.empty())
             {
                 const auto k = std::size_t(front.back());
                 front.pop_back();
                 const Place& place = places[found[k]];
-                widest.back() = std::max(widest.back(), place.room);
+                hole.places.push_back(found[k]);
+                if (place.room > hole.room)
+                {
+                    hole.room = place.room;
+                    hole.spacing = place.spacing;
+                }
+                std::size_t& widest = hole.widest.try_emplace(place.nearest, found[k]).first->second;
+                if (place.room > places[widest].room)
+                    widest = found[k];
                 search.within(points[k], 1.5 * place.spacing, near);
                 for (int j : near)
-                    if (hole[std::size_t(j)] < 0)
-                    {
-                        hole[std::size_t(j)] = own;
+                    if (!std::exchange(is_taken[std::size_t(j)], char(1)))
                         front.push_back(j);
-                    }
             }
         }
-        const auto is_too_wide = [&](double room) { return room > most_room * hole_radius_; };
-        filled_.too_wide = int(std::count_if(widest.begin(), widest.end(), is_too_wide));
+        return holes;
+    }
+
+    /// Whether most samples around end the surface towards the hole. Else thinned samples of two limbs were joined.
+    /// Samples put into holes count for neither: of holes that finer levels have begun to fill they are the rim.
+    bool is_surrounded_by_rim(const Hole& hole, const Refined& refined) const
+    {
+        const bool is_small = hole.room < small * hole.spacing; // of those even rims see less than such a gap
+        int open = 0, all = 0;
+        for (const auto& [sample, place] : hole.widest)
+            if (sample < input_count())
+            {
+                const Vector d = refined.points[place] - point(sample);
+                const auto i = std::size_t(sample);
+                ++all;
+                open += (is_small || fans_.widest_gap[i] > open_fan) &&
+                        std::abs(d.dot(samples_.normals[i])) < steepest * d.norm();
+            }
+        return double(open) >= least_open * double(all);
+    }
+
+    /// Places in holes that are to be filled. \param distance of the thinned samples.
+    std::vector<std::size_t> centres_of_holes(const Refined& refined, const std::vector<Place>& places, double distance)
+    {
+        filled_.too_wide = 0;
         std::vector<std::size_t> centres;
-        for (std::size_t k = 0; k < found.size(); ++k)
-            if (!is_too_wide(widest[std::size_t(hole[k])]))
-                centres.push_back(found[k]);
+        for (const Hole& hole : collect_holes(refined, places))
+        {
+            if (hole.room < least_of_distance * distance && hole.widest.begin()->first < input_count())
+                continue;
+            if (!is_surrounded_by_rim(hole, refined))
+                continue;
+            if (hole.room > most_room * hole_radius_)
+                ++filled_.too_wide;
+            else
+                centres.insert(centres.end(), hole.places.begin(), hole.places.end());
+        }
         return centres;
     }
 
-    void keep_in_holes(const Refined& refined, const Coarse& coarse, const std::vector<Place>& places)
+    void keep_in_holes(const Refined& refined, const Coarse& coarse, const std::vector<Place>& places, double distance)
     {
         // What is filled is the union of large empty balls: the usual unevenness of samples is left to refinement.
         Points centres;
         std::vector<double> radii;
-        for (std::size_t k : centres_of_holes(refined, places))
+        for (std::size_t k : centres_of_holes(refined, places, distance))
         {
             centres.push_back(refined.points[k]);
             radii.push_back(1.1 * places[k].room);
@@ -380,6 +428,7 @@ private:
     }
 
     const UsableSamples& usable_;
+    const InitialFans& fans_;
     const double hole_radius_;
     const int threads_;
     OrientedSamples samples_; ///< Usable ones, then those put in.
