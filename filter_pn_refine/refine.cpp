@@ -229,8 +229,8 @@ private:
         // On every odd step (section 6), before what lies beside them.
         const bool is_odd = result_.steps.size() % 2 == 0;
         if (is_odd)
-            state.thirds = insert_thirds(segments_, level_, input_count_ + int(result_.points.size()), threads_,
-                                         state.children, state.on_segments);
+            state.thirds = insert_thirds(segments_, level_, spacing_ratio_, input_count_ + int(result_.points.size()),
+                                         threads_, state.children, state.on_segments);
         const RefineStep step{level_,
                               graph,
                               choose_precision(options_),

@@ -288,8 +288,8 @@ std::vector<Segment> find_crease_segments(const UsableSamples& usable, const Ini
     return segments;
 }
 
-std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
-                                          int threads, std::vector<LeafChildren>& children,
+std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, float spacing_ratio,
+                                          int ids, int threads, std::vector<LeafChildren>& children,
                                           std::vector<WorkPoint>& made)
 {
     std::vector<InsertedThirds> inserted(segments.size());
@@ -313,7 +313,11 @@ std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, 
         const bool is_crease = segment.sides == 2;
         const Vector chord = b[0]->position - a[0]->position;
         // Short already against what lies around it: its turn comes when the rest has become as dense.
-        if (!is_crease && chord.norm() < 0.25 * double(std::min(a[0]->radius, b[0]->radius)))
+        // Radii of a crease's points say little, they were made with it. Without this each run over the result of
+        // another would divide again what that has made three times as dense.
+        const double least = is_crease ? 0.6 * double(spacing_ratio) * double(std::min(a[0]->spacing, b[0]->spacing))
+                                       : 0.25 * double(std::min(a[0]->radius, b[0]->radius));
+        if (chord.norm() < least)
             continue;
         const std::size_t other = is_crease ? 1 : 0;
         const Vector ta = end_tangent(chord, a[0]->normal, a[other]->normal, is_crease);

@@ -34,10 +34,11 @@ struct InsertedThirds
     bool is_done = false;
 };
 
-/// Inserts two points (on creases two pairs) on each segment whose ends are still refined, at the thirds of its cubic
-/// curve, as children of the leaves that hold its ends.
-std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, int ids,
-                                          int threads, std::vector<LeafChildren>& children,
+/// Inserts two points (on creases two pairs) on each segment whose ends are still refined and which is not short
+/// against the spacing around it, at the thirds of its cubic curve, as children of the leaves that hold its ends.
+/// \param spacing_ratio by which points have come nearer to each other since the start.
+std::vector<InsertedThirds> insert_thirds(const std::vector<Segment>& segments, const Level& level, float spacing_ratio,
+                                          int ids, int threads, std::vector<LeafChildren>& children,
                                           std::vector<WorkPoint>& made);
 
 /// Replaces every segment that has been divided by its three parts. The child k of leaf i has the id

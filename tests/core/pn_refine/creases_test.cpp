@@ -309,4 +309,27 @@ TEST(Creases, AreDetectedFromNormals)
     EXPECT_EQ(off, 0);
 }
 
+TEST(Creases, AreNotDividedMoreByRunsThanBySteps)
+{
+    OrientedSamples box = shapes::box(3500, Vector(2, 2, 2), 1);
+    const auto on_edges = [](const Points& points)
+    {
+        return std::count_if(points.begin(), points.end(),
+                             [](const Point& p)
+                             {
+                                 const auto on_faces = ((p.array().abs() - 1).abs() < 1e-9).count();
+                                 return on_faces >= 2;
+                             });
+    };
+    const PnRefinement at_once = refine_points(box, one_thread(4));
+    for (int run = 0; run < 4; ++run)
+    {
+        const PnRefinement refined = refine_points(box, one_thread(1));
+        EXPECT_EQ(refined.left_out, 0) << run;
+        box.points.insert(box.points.end(), refined.points.begin(), refined.points.end());
+        box.normals.insert(box.normals.end(), refined.normals.begin(), refined.normals.end());
+    }
+    EXPECT_LT(on_edges(box.points), 4 * on_edges(at_once.points)); // 14 times as many
+}
+
 } // namespace
