@@ -8,6 +8,7 @@
 #include <meshlab/shared_parameters.h>
 
 #include <recon/errors.h>
+#include <recon/progress.h>
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +43,9 @@ plugin::ParameterTable<Options> table()
             "Radius of each point at the start; it must reach the point's neighbours, and counts up to four times what "
             "would be found for the point. 0: the layer's radii if it has them, else found for each point.")
         .length("hole_radius", &Options::hole_radius, "Hole radius",
-                "Holes up to this radius are filled smoothly; bays of an outer rim are, too. 0: off.")
+                "Holes from three spacings of the points up to this radius are filled smoothly, as densely as the "
+                "points around; so are bays of an outer rim. Holes of up to 1.25 times it may be, wider ones stay "
+                "open; if nothing is filled, a warning says so. 0: off.")
         .number("boundary_angle", &Options::boundary_angle, "Boundary angle",
                 "A point belongs to a rim if two successive neighbours enclose a larger angle, 120 to 180 degrees.")
         .number("crease_angle", &Options::crease_angle, "Crease angle",
@@ -126,7 +129,7 @@ void describe(const recon::PnRefinement& refined, plugin::FilterResult& result)
     double seconds = 0;
     for (const auto& phase : refined.seconds)
         seconds += phase.second;
-    const recon::PnStepStatistics last = refined.steps.empty() ? recon::PnStepStatistics() : refined.steps.back();
+    const recon::PnStepStatistics& last = refined.at_end;
     append(result.values, {{"new_points", int(refined.points.size())},
                            {"smallest_radius", last.smallest_radius},
                            {"median_radius", last.median_radius},
@@ -151,8 +154,10 @@ plugin::FilterResult refine(const plugin::InputLayer& layer, const Options& opti
     plugin::FilterResult result;
     recon::OrientedSamples samples{layer.points, layer.normals};
     const bool own_normals = has_normals(layer);
+    recon::PhaseTimes times; // of what comes before refinement itself
     if (!own_normals)
     {
+        times.begin("normals");
         samples.normals = compute_normals(layer.points, options.threads, progress.part(0, 0.25, "normals"));
         if (options.detect_creases)
             samples.normals = recon::pn::sharpen_normals(samples, options, progress.part(0.25, 0.3, "normals"));
@@ -160,14 +165,17 @@ plugin::FilterResult refine(const plugin::InputLayer& layer, const Options& opti
     }
     recon::PnRefineHints hints;
     hints.radii = layer.radii;
+    times.begin("isolated points");
     // Refinement itself sees only those that have no others beside them.
     const double begin = own_normals ? 0 : 0.3;
     hints.is_isolated = recon::mark_isolated_points(layer.points, options.threads,
                                                     progress.part(begin, begin + 0.1, "isolated points"));
+    times.end();
     if (options.selected_only)
         hints.is_refined = layer.selected;
     recon::PnRefinement refined =
         recon::refine_points(samples, options, hints, progress.part(begin + 0.1, 1, "refining"));
+    refined.seconds.insert(refined.seconds.begin(), times.seconds().begin(), times.seconds().end());
     describe(refined, result);
     if (options.steps > 0 && refined.points.empty())
         result.warnings.push_back("No point was added. Usual causes: an initial radius far from the points' spacing, a "

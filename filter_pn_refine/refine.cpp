@@ -128,6 +128,7 @@ public:
                 break;
             done += share;
         }
+        result_.at_end = result_.steps.empty() ? describe_start() : result_.steps.back();
         if (result_.input_radii.empty()) // no step was the last of those asked for
             collect_radii([&](std::size_t i) { return level_.points[i].radius; });
         result_.seconds = times.seconds();
@@ -135,6 +136,13 @@ public:
     }
 
 private:
+    PnStepStatistics describe_start() const
+    {
+        RadiusSummary radii(level_.points.size());
+        radii.add(level_.rows[6].get(), level_.points.size(), frame_.scale(), threads_);
+        return {input_count_ + int(result_.points.size()), radii.smallest(), radii.largest(), radii.median(), 0};
+    }
+
     /// Room for what is expected, within reason, so that results need not be moved.
     void reserve_result()
     {

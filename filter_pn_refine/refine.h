@@ -29,7 +29,8 @@ struct PnRefineOptions
     bool fast = false;         ///< The shortcuts of section 7, and nothing but PN triangles; folds and voids stay.
     double initial_radius = 0; ///< Radius of each point at the start [length], >= 0; 0 = automatic or given per point.
                                ///< Counts up to 4 times what the point would get automatically.
-    double hole_radius = 0;    ///< Holes up to this radius are filled, and bays of outer rims [length], >= 0; 0 = off.
+    double hole_radius = 0;    ///< Holes from some three spacings up to this radius are filled, and bays of outer rims
+                               ///< [length], >= 0; 0 = off. Somewhat wider ones may be, too.
     double boundary_angle = 150;     ///< A gap this wide between neighbours makes a rim [degrees], 120 to 180.
     double crease_angle = 45;        ///< Normals that differ by more make a crease [degrees], 0 to 180.
     bool detect_creases = true;      ///< Puts crease samples where two faces end sharply at an angle above
@@ -75,6 +76,7 @@ struct PnRefinement
     std::vector<double> input_radii; ///< Of the input points after the last step; 0 for those that took no part.
     std::vector<int> turned_normals; ///< Input points whose normal was turned before refinement, ascending.
     std::vector<PnStepStatistics> steps;
+    PnStepStatistics at_end; ///< Of the last step; of the start, without open gaps, if there was none.
     int boundary_segments = 0, crease_segments = 0; ///< At the start.
     /// Points put onto detected creases before the first step, two at each position (at corners three); they come
     /// first.

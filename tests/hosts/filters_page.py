@@ -94,7 +94,8 @@ VALUES = {
     },
     "meshing_point_cloud_refinement_pn": {
         "points_step_...": "points in all after step 1, 2 and so on", "new_points": "points added",
-        "smallest_radius": "after the last step (length)", "median_radius": "likewise", "largest_radius": "likewise",
+        "smallest_radius": "after the last step, at the start if there was none (length)",
+        "median_radius": "likewise", "largest_radius": "likewise",
         "open_gaps": "points around which gaps stayed open: rims, holes",
         "boundary_segments": "segments of rims at the start", "crease_segments": "segments of creases at the start",
         "crease_points": "points put onto detected creases before the first step",
@@ -103,7 +104,7 @@ VALUES = {
         "fold_points": "points put into folds that the samples show too sparsely",
         "turned_normals": "input points whose normal was turned",
         "left_out": "input points that took no part: duplicates, without normal, isolated",
-        "new_points_per_second": "speed",
+        "new_points_per_second": "speed, with the time for normals and isolated points",
     },
 }
 
