@@ -44,8 +44,8 @@ plugin::ParameterTable<Options> table()
             "would be found for the point. 0: the layer's radii if it has them, else found for each point.")
         .length("hole_radius", &Options::hole_radius, "Hole radius",
                 "Holes from three spacings of the points up to this radius are filled smoothly, as densely as the "
-                "points around; so are bays of an outer rim. Holes of up to 1.25 times it may be, wider ones stay "
-                "open; if nothing is filled, a warning says so. 0: off.")
+                "points around; so are bays of an outer rim. Wider ones stay open, from some 1.5 times it on; if "
+                "nothing is filled, a warning says so. 0: off.")
         .number("boundary_angle", &Options::boundary_angle, "Boundary angle",
                 "A point belongs to a rim if two successive neighbours enclose a larger angle, 120 to 180 degrees.")
         .number("crease_angle", &Options::crease_angle, "Crease angle",

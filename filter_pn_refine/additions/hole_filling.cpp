@@ -134,11 +134,13 @@ public:
         filled_.has_rims = !rims_.empty();
         const std::vector<double> distances = thinning_distances();
         if (!distances.empty())
+        {
             find_distances_to_rims(progress.part(0, 0.05));
+            find_too_wide(refine, progress.part(0.05, 0.15));
+        }
         for (std::size_t k = 0; k < distances.size(); ++k)
         {
-            const auto at = [&](std::size_t level) { return 0.05 + 0.95 * double(level) / double(distances.size()); };
-            filled_.too_wide = 0; // those of the coarsest are the same ones
+            const auto at = [&](std::size_t level) { return 0.15 + 0.85 * double(level) / double(distances.size()); };
             fill_level(distances[k], refine, progress.part(at(k), at(k + 1)));
         }
         return std::move(filled_);
@@ -191,6 +193,38 @@ private:
             [&](std::size_t i)
             { to_rim_[i] = (point(int(i)) - rims[std::size_t(search.nearest(point(int(i))))]).norm(); },
             samples_at_once);
+    }
+
+    /// Before any is begun to be filled from its rim: thinned less than they are wide, they look like several.
+    void find_too_wide(const RefineCoarse& refine, const Progress& progress)
+    {
+        Points centres;
+        std::vector<double> radii;
+        constexpr std::array<double, 2> wider = {2, 4}; // [hole radii]
+        for (std::size_t k = 0; k < wider.size(); ++k)
+        {
+            const double distance = wider[k] * hole_radius_;
+            const Coarse coarse = thin_around_rims(distance);
+            if (coarse.samples.points.size() < 3)
+                continue;
+            const Progress part = progress.part(double(k) / wider.size(), double(k + 1) / wider.size());
+            const Refined refined = refine(coarse.samples, probe_steps + 1, part.part(0, 0.7));
+            const std::vector<Place> places = look_at(refined, coarse, 0, part.part(0.7, 1));
+            int count = 0;
+            for (const Hole& hole : collect_holes(refined, places))
+            {
+                if (hole.room <= most_room * hole_radius_ || !is_surrounded_by_rim(hole, refined))
+                    continue;
+                ++count;
+                for (std::size_t place : hole.places)
+                {
+                    centres.push_back(refined.points[place]);
+                    radii.push_back(1.1 * places[place].room);
+                }
+            }
+            filled_.too_wide = std::max(filled_.too_wide, count);
+        }
+        too_wide_ = std::make_unique<UnionOfBalls>(centres, radii);
     }
 
     void fill_level(double distance, const RefineCoarse& refine, const Progress& progress)
@@ -367,7 +401,6 @@ private:
     /// Places in holes that are to be filled. \param distance of the thinned samples.
     std::vector<std::size_t> centres_of_holes(const Refined& refined, const std::vector<Place>& places, double distance)
     {
-        filled_.too_wide = 0;
         std::vector<std::size_t> centres;
         for (const Hole& hole : collect_holes(refined, places))
         {
@@ -375,9 +408,7 @@ private:
                 continue;
             if (!is_surrounded_by_rim(hole, refined))
                 continue;
-            if (hole.room > most_room * hole_radius_)
-                ++filled_.too_wide;
-            else
+            if (hole.room <= most_room * hole_radius_)
                 centres.insert(centres.end(), hole.places.begin(), hole.places.end());
         }
         return centres;
@@ -410,7 +441,7 @@ private:
             }
             const auto is_frozen = [&](int i) { return i < input_count() && usable_.is_frozen[std::size_t(i)]; };
             if (places[k].room <= free || taken.has_near(p, free) ||
-                std::all_of(parents.begin(), parents.end(), is_frozen) || !holes.hold(p))
+                std::all_of(parents.begin(), parents.end(), is_frozen) || !holes.hold(p) || too_wide_->hold(p))
             {
                 sample[k] = parents[0]; // stands in for it among the parents of others
                 continue;
@@ -435,6 +466,7 @@ private:
     std::vector<double> spacing_, to_rim_;
     std::vector<int> rims_;
     std::unique_ptr<NeighbourSearch> search_; ///< Of the samples.
+    std::unique_ptr<UnionOfBalls> too_wide_;
     FilledHoles filled_;
 };
 

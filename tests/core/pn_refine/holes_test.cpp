@@ -117,10 +117,14 @@ TEST(Holes, OfASphereAreFilledAtEveryHoleRadiusAboveTheirs)
 TEST(Holes, WiderThanTheHoleRadiusStayOpen)
 {
     const double r = 10 * plane_spacing;
-    const PnRefinement refined = fill(upward(square(plane_count, 1, r, 1)), 0, 0.35 * r);
-    EXPECT_EQ(
-        std::count_if(refined.points.begin(), refined.points.end(), [&](const Point& p) { return p.norm() < 0.5 * r; }),
-        0);
+    for (const double factor : {0.35, 0.5, 0.7})
+    {
+        const PnRefinement refined = fill(upward(square(plane_count, 1, r, 1)), 0, factor * r);
+        EXPECT_EQ(std::count_if(refined.points.begin(), refined.points.end(),
+                                [&](const Point& p) { return p.norm() < 0.8 * r; }),
+                  0);
+        EXPECT_TRUE(checks::says(refined.warnings, "wider than the hole radius")) << factor;
+    }
 }
 
 TEST(Holes, AreNotSeenWhereThereAreNone)
@@ -157,7 +161,8 @@ TEST(Holes, NobodyIsLeftWonderingWhyNoneWasFilled)
 {
     const double r = 10 * plane_spacing;
     const OrientedSamples open = upward(square(plane_count, 1, r, 1));
-    EXPECT_TRUE(checks::says(fill(open, 0, 0.1 * r).warnings, "No hole was filled"));
+    const OrientedSamples intact = upward(square(plane_count, 1, 0, 1));
+    EXPECT_TRUE(checks::says(fill(intact, 0, 0.2).warnings, "No hole was filled"));
     EXPECT_FALSE(checks::says(fill(open, 0, 1.5 * r).warnings, "hole"));
     EXPECT_FALSE(checks::says(fill(open, 0, 0).warnings, "hole"));
     PnRefineOptions options = one_thread(0);
