@@ -329,7 +329,7 @@ TEST(Creases, AreNotDividedMoreByRunsThanBySteps)
         box.points.insert(box.points.end(), refined.points.begin(), refined.points.end());
         box.normals.insert(box.normals.end(), refined.normals.begin(), refined.normals.end());
     }
-    EXPECT_LT(on_edges(box.points), 4 * on_edges(at_once.points)); // 14 times as many
+    EXPECT_LT(on_edges(box.points), 4 * on_edges(at_once.points));
 }
 
 } // namespace
