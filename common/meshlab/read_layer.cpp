@@ -69,7 +69,7 @@ InputLayer read_layer(MeshModel& model)
     if (model.hasDataMask(MeshModel::MM_VERTQUALITY))
         for (const CVertexO* v : vertices)
             layer.quality.push_back(static_cast<double>(v->cQ()));
-    const Radii radii = find_radii(mesh);
+    Radii radii = find_radii(mesh); // not const, by vcglib
     if (Allocator::IsValidHandle(mesh, radii))
         for (const CVertexO* v : vertices)
             layer.radii.push_back(static_cast<double>(radii[v]));
