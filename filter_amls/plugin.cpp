@@ -18,8 +18,7 @@ void recon::plugin_filters::add_report(const AmlsSurfaceReport& report, plugin::
     {
         std::ostringstream rounded;
         rounded << "The points lie on a lattice, as voxels or rounded coordinates do, in steps of "
-                << report.lattice_step << ": the noise is taken to be no less than " << error_of_lattice
-                << " of a step.";
+                << report.lattice_step << ": the noise is taken to be no less than " << report.lattice_error << ".";
         result.log.push_back(rounded.str());
     }
     if (!report.seen_from.empty())

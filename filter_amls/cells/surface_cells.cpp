@@ -50,12 +50,12 @@ NoiseEstimate with_steps(const NoiseEstimate& estimate, const DepthCamera& camer
 }
 
 /// Of dithered points, with the lattice's own error in the place of the dither's.
-NoiseEstimate with_lattice(const NoiseEstimate& estimate, double step)
+NoiseEstimate with_lattice(const NoiseEstimate& estimate, double error)
 {
-    const double own = error_of_lattice * step, dithered = estimate_of_dithered * step;
+    const double dithered = estimate_of_dithered * error;
     std::vector<double> sigma = estimate.sigma();
     for (double& s : sigma)
-        s = std::sqrt(own * own + std::max(0.0, s * s - dithered * dithered));
+        s = std::sqrt(error * error + std::max(0.0, s * s - dithered * dithered));
     return NoiseEstimate(estimate.seeds(), std::move(sigma), estimate.density());
 }
 
@@ -109,7 +109,7 @@ SurfaceCells make_cells(const Points& points, const BlockSearch& search, double 
     if (given_noise > 0)
         made.noise = with_given_noise(made.noise, given_noise);
     else if (on_lattice)
-        made.noise = with_lattice(made.noise, rounding.lattice_step);
+        made.noise = with_lattice(made.noise, rounding.lattice_error);
     else if (rounding.camera)
         made.noise = with_steps(made.noise, *rounding.camera, points, search);
     times.begin("width");

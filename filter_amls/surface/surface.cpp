@@ -292,7 +292,7 @@ double median_width(const std::vector<FitStart>& starts)
 
 bool AmlsSurfaceReport::has_only_lattice_noise() const
 {
-    return lattice_step > 0 && noise < most_error_of_lattice * lattice_step;
+    return lattice_step > 0 && noise < most_error_of_lattice * lattice_error;
 }
 
 const AmlsSurfaceReport& AmlsSurface::report() const
@@ -395,6 +395,7 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     report.most_noise = frame.scale() * noise.most_sigma();
     report.spacing = frame.scale() * noise.median_spacing();
     report.lattice_step = rounding.lattice_step;
+    report.lattice_error = rounding.lattice_error;
     report.width = frame.scale() * median_width(anchors.starts);
     report.rho_e = anchors.median_rho_e;
     report.cells = cells.size();

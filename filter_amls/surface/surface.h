@@ -30,12 +30,13 @@ struct AmlsOptions
 /// What was found while building; lengths are in input units.
 struct AmlsSurfaceReport
 {
-    double noise = 0;        ///< Median standard deviation of the noise, estimated or given [length].
-    double least_noise = 0;  ///< Noise that nine of ten places exceed [spacings].
-    double most_noise = 0;   ///< Noise that one of fifty places exceeds [length].
-    double spacing = 0;      ///< Median distance of neighbouring points [length].
-    double lattice_step = 0; ///< To which the points were rounded [length], see rounding.h. 0 if they were not.
-    double width = 0;        ///< Median width h of the weights exp(-d^2 / h^2) [length].
+    double noise = 0;         ///< Median standard deviation of the noise, estimated or given [length].
+    double least_noise = 0;   ///< Noise that nine of ten places exceed [spacings].
+    double most_noise = 0;    ///< Noise that one of fifty places exceeds [length].
+    double spacing = 0;       ///< Median distance of neighbouring points [length].
+    double lattice_step = 0;  ///< To which the points were rounded [length], see rounding.h. 0 if they were not.
+    double lattice_error = 0; ///< Noise that they are taken to have for that, at least [length].
+    double width = 0;         ///< Median width h of the weights exp(-d^2 / h^2) [length].
     double rho_e =
         0;         ///< Median of 2^(1/4) h / local feature size [1]: the paper's parameter that this width amounts to.
     int cells = 0; ///< [count]

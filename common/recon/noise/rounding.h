@@ -13,7 +13,10 @@ namespace recon
 struct Rounding
 {
     /// Of voxels, the longest of the three; of a height field, of its heights [length]. 0 if not to a lattice.
+    /// Of one or two axes rounded more coarsely than the points are dense, as metres far north in single precision
+    /// are, half a metre: the longest.
     double lattice_step = 0;
+    double lattice_error = 0; ///< Standard deviation of the noise that the points are taken to have, at least [length].
     Vector lattice_steps = Vector::Zero(); ///< Per axis [length].
     std::optional<DepthCamera> camera;     ///< Whose depths come in steps.
 
@@ -27,13 +30,13 @@ struct Rounding
 /// Standard deviation of a lattice's points from the surface [steps]: 0.29 where coordinates were rounded, 0.38 to 0.40
 /// of all voxels that a surface passes through.
 inline constexpr double error_of_lattice = 0.35;
-/// What estimate_noise() says of dithered ones without other noise [steps]: 0.54 to 0.60.
-inline constexpr double estimate_of_dithered = 0.56;
-/// Noise below which the lattice's error is all there is [steps].
-inline constexpr double most_error_of_lattice = 0.45;
+/// What estimate_noise() says of a lattice's dithered points without other noise [lattice errors]: 1.54 to 1.71.
+inline constexpr double estimate_of_dithered = 1.6;
+/// Noise below which the lattice's error is all there is [lattice errors].
+inline constexpr double most_error_of_lattice = 1.29;
 
-/// Lattices along the axes. Shapes with most of their points on lattice planes, such as boxes, are exact. \param points
-/// distinct, in spatial order, finite.
+/// Lattices along the axes. Shapes with most of their points on lattice planes, such as boxes, are exact, and so are
+/// slices. \param points distinct, in spatial order, finite.
 Rounding find_rounding(const Points& points);
 
 } // namespace recon
