@@ -11,6 +11,7 @@ inline constexpr char open_holes[] =
     "dropped, where it reaches three. Off: the surface is closed.";
 inline constexpr char keep_components[] =
     "Automatic: stray shells are dropped, that is thin or small bodies and hollows that hold less than a twentieth as "
-    "many samples as the one that holds most. Largest: only the component that encloses the largest volume is kept.";
+    "many samples as the one that holds most, unless they are as dense as the rest, seen from the scanner. Largest: "
+    "only the component that encloses the largest volume is kept.";
 
 } // namespace plugin::tooltips
