@@ -198,8 +198,8 @@ bool is_wide(const std::vector<Eigen::Vector2d>& points)
 }
 
 /// Whether a point lies on a terrace, a piece of a plane across the axis, that ends where the next one begins: so it is
-/// if that axis was rounded, more coarsely than the points are dense. Slices are curves, and what leaves the plane of
-/// an exact face leaves it at the face's own edge only.
+/// if that axis was rounded, more coarsely than the points are dense. Slices are curves, and so is what the walls
+/// around an exact face have of the next plane.
 bool is_at_edge_of_terrace(const Points& points, const Points& flattened, const BlockSearch& search, std::size_t i,
                            int axis, const LatticeAxis& lattice)
 {
@@ -253,17 +253,13 @@ double measure_spacing(const Points& points)
 }
 
 /// Of one or two axes rounded more coarsely than the points are dense, as those of metres far north in single
-/// precision, half a metre.
-Rounding find_rounded_axes(const Points& points, const std::array<std::optional<LatticeAxis>, 3>& axes)
+/// precision, half a metre. \param coarsest step.
+Rounding find_rounded_axes(const Points& points, const std::array<std::optional<LatticeAxis>, 3>& axes, double coarsest)
 {
-    double coarsest = 0;
-    for (const std::optional<LatticeAxis>& axis : axes)
-        if (axis)
-            coarsest = std::max(coarsest, axis->step);
-    const double spacing = measure_spacing(points);
     const auto is_asked = [&](int k) { return axes[k] && axes[k]->step >= much_finer * coarsest; };
     if (is_asked(0) && is_asked(1) && is_asked(2))
         return {}; // a lattice, of a shape that is its own
+    const double spacing = measure_spacing(points);
     // Flat enough that terraces are near to the next.
     Points flattened = points;
     for (int k = 0; k < 3; ++k)
@@ -285,6 +281,22 @@ Rounding find_rounded_axes(const Points& points, const std::array<std::optional<
     return {steps.maxCoeff(), error_of_terraces * steps.norm(), steps, {}};
 }
 
+/// Of an axis in single precision the steps of its largest values.
+std::optional<LatticeAxis> find_float_axis(const Points& points, int axis)
+{
+    double largest = 0;
+    for (const Point& p : points)
+    {
+        if (double(float(p[axis])) != p[axis])
+            return {};
+        largest = std::max(largest, std::abs(p[axis]));
+    }
+    if (largest == 0)
+        return {};
+    return LatticeAxis{points.front()[axis],
+                       std::ldexp(1.0, std::ilogb(largest) + 1 - std::numeric_limits<float>::digits)};
+}
+
 Rounding find_axes(const Points& points)
 {
     if (points.size() < fewest)
@@ -295,9 +307,18 @@ Rounding find_axes(const Points& points)
     if (axes[0] && axes[1] && axes[2])
         if (const Rounding lattice = find_lattice(points, {*axes[0], *axes[1], *axes[2]}))
             return lattice;
-    if (!axes[0] && !axes[1] && !axes[2])
+    double coarsest = 0;
+    for (int k = 0; k < 3; ++k)
+    {
+        if (!axes[k])
+            axes[k] = find_float_axis(points, k);
+        if (axes[k])
+            coarsest = std::max(coarsest, axes[k]->step);
+    }
+    constexpr double least_coarse = 0.1; // of what spacing there may be; most clouds are in single precision
+    if (coarsest < least_coarse * bounding_box(points).diagonal() / std::sqrt(double(points.size())))
         return {};
-    return find_rounded_axes(points, axes);
+    return find_rounded_axes(points, axes, coarsest);
 }
 
 } // namespace

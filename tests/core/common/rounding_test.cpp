@@ -70,6 +70,10 @@ TEST(FindRounding, FindsAxesThatAreRoundedMoreCoarselyThanThePointsAreDense)
         for (int k = 0; k < 3; ++k)
             EXPECT_NEAR(found.lattice_steps[k], steps[k] < 0.01 ? 0 : steps[k], 1e-9) << steps.transpose();
     }
+    Points far_north = torus();
+    for (Point& p : far_north)
+        p = (10 * p + Point(5e5, 5e6, 100)).cast<float>().cast<double>();
+    EXPECT_EQ(find_in_order(far_north).lattice_steps, Vector(0, 0.5, 0));
     EXPECT_FALSE(find_in_order(shapes::rounded(torus(), Vector(1e-9, 0.005, 1e-9)))); // finer than the points are dense
     Points slices;                                                                    // of a sphere, exact
     for (int level = -9; level <= 9; ++level)
