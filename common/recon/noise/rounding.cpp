@@ -171,7 +171,7 @@ Rounding find_lattice(const Points& points, const std::array<LatticeAxis, 3>& ax
 
 /// Neighbours among which it is looked for the terraces of a rounded axis, and how many of them one must hold.
 constexpr int around_terrace = 64, fewest_on_terrace = 6;
-/// Least extent of a terrace across, over that along it: of a slice through an exact surface a thousandth.
+/// Least extent of a few neighbours on a terrace across, over that along it.
 constexpr double least_width = 0.15;
 /// Share of the points asked that lie at the edge of a terrace: 0.17 to 0.78 on a model with one or two axes rounded,
 /// 0.03 at most on the 50 axes of other clouds that are lattices, of 460 clouds.
@@ -182,19 +182,28 @@ constexpr double error_of_terraces = 0.7;
 /// Steps of an axis that is rounded much finer [steps of the coarse one].
 constexpr double much_finer = 0.25;
 
-/// Whether points spread in both directions.
+/// Whether points fill an area: most have their nearest in both directions, which those of bent curves have at the bend
+/// only.
 bool is_wide(const std::vector<Eigen::Vector2d>& points)
 {
     if (int(points.size()) < fewest_on_terrace)
         return false;
-    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    for (const Eigen::Vector2d& p : points)
-        mean += p / double(points.size());
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-    for (const Eigen::Vector2d& p : points)
-        covariance += (p - mean) * (p - mean).transpose();
-    const Eigen::Vector2d extents = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues();
-    return extents[0] >= least_width * least_width * extents[1];
+    std::vector<Eigen::Vector2d> near = points;
+    int wide = 0;
+    for (const Eigen::Vector2d& at : points)
+    {
+        constexpr int around = 5; // with the point
+        std::partial_sort(near.begin(), near.begin() + around, near.end(),
+                          [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b)
+                          { return (a - at).squaredNorm() < (b - at).squaredNorm(); });
+        Eigen::Matrix<double, 2, around> offsets;
+        for (int k = 0; k < around; ++k)
+            offsets.col(k) = near[std::size_t(k)];
+        offsets.colwise() -= Eigen::Vector2d(offsets.rowwise().mean());
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(offsets * offsets.transpose());
+        wide += axes.eigenvalues()[0] >= least_width * least_width * axes.eigenvalues()[1];
+    }
+    return 2 * wide >= int(points.size());
 }
 
 /// Whether a point lies on a terrace, a piece of a plane across the axis, that ends where the next one begins: so it is

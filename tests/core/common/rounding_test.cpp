@@ -63,7 +63,7 @@ TEST(FindRounding, TakesTheLongestStepButOfHeightsTheirs)
 TEST(FindRounding, FindsAxesThatAreRoundedMoreCoarselyThanThePointsAreDense)
 {
     for (const Vector& steps :
-         {Vector(1e-9, 0.05, 1e-9), Vector(0.05, 1e-9, 0.05), Vector(1e-7, 0.05, 0.003), Vector(1e-9, 1e-9, 0.1)})
+         {Vector(1e-9, 0.05, 1e-9), Vector(0.03, 1e-9, 0.03), Vector(1e-7, 0.05, 0.003), Vector(1e-9, 1e-9, 0.1)})
     {
         const Rounding found = find_in_order(shapes::rounded(torus(), steps));
         EXPECT_NEAR(found.lattice_step, steps.maxCoeff(), 1e-9) << steps.transpose();
