@@ -173,8 +173,10 @@ Rounding find_lattice(const Points& points, const std::array<LatticeAxis, 3>& ax
 constexpr int around_terrace = 64, fewest_on_terrace = 6;
 /// Least extent of a few neighbours on a terrace across, over that along it.
 constexpr double least_width = 0.15;
-/// Share of the points asked that lie at the edge of a terrace: 0.33 to 0.80 on a model with one axis rounded, 0.17
-/// with two. Of 460 clouds that were not rounded none has an axis so coarse that it is asked.
+/// Share of the next terrace's points that are not above the former.
+constexpr double least_beyond = 0.2;
+/// Share of the points asked that lie at the edge of a terrace. Of 460 clouds that were not rounded none has an axis so
+/// coarse that it is asked.
 constexpr double at_edges = 0.15;
 /// Standard deviation that the points of terraces are taken to have [steps]. They err by 0.29, but those of one all
 /// alike, and only what spans several averages that.
@@ -229,7 +231,8 @@ bool is_at_edge_of_terrace(const Points& points, const Points& flattened, const 
     }
     if (!is_wide(own) || !is_wide(next))
         return false;
-    // As near to the next terrace as points of one lie to each other.
+    // As near to the next terrace as points of one lie to each other, and the next one goes on beside it, not above it
+    // as in a stack of sheets.
     const auto nearest_to = [&](const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& others)
     {
         double least = std::numeric_limits<double>::infinity();
@@ -241,9 +244,14 @@ bool is_at_edge_of_terrace(const Points& points, const Points& flattened, const 
     double within = 0, step = std::numeric_limits<double>::infinity();
     for (const Eigen::Vector2d& p : own)
         within = std::max(within, nearest_to(p, own));
+    int beyond = 0;
     for (const Eigen::Vector2d& p : next)
-        step = std::min(step, nearest_to(p, own));
-    return step <= within;
+    {
+        const double squared_distance = nearest_to(p, own);
+        step = std::min(step, squared_distance);
+        beyond += squared_distance > within;
+    }
+    return step <= within && beyond >= least_beyond * double(next.size());
 }
 
 double measure_spacing(const Points& points)
@@ -261,7 +269,7 @@ double measure_spacing(const Points& points)
     return std::sqrt(median(std::move(areas)));
 }
 
-/// Of one or two axes rounded more coarsely than the points are dense, as those of metres far north in single
+/// Of an axis rounded more coarsely than the points are dense, as those of metres far north in single
 /// precision, half a metre. \param coarsest step.
 Rounding find_rounded_axes(const Points& points, const std::array<std::optional<LatticeAxis>, 3>& axes, double coarsest)
 {

@@ -13,8 +13,8 @@ namespace recon
 struct Rounding
 {
     /// Of voxels, the longest of the three; of a height field, of its heights [length]. 0 if not to a lattice.
-    /// Of one or two axes rounded more coarsely than the points are dense, as metres far north in single precision
-    /// are, half a metre: the longest.
+    /// Of an axis that alone was rounded, more coarsely than the points are dense, as metres far north in single
+    /// precision are, half a metre: its step.
     double lattice_step = 0;
     double lattice_error = 0; ///< Standard deviation of the noise that the points are taken to have, at least [length].
     Vector lattice_steps = Vector::Zero(); ///< Per axis [length].

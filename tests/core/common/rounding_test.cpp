@@ -62,8 +62,7 @@ TEST(FindRounding, TakesTheLongestStepButOfHeightsTheirs)
 // Metres far north come in steps of half a metre in single precision, while the other axes are fine.
 TEST(FindRounding, FindsAxesThatAreRoundedMoreCoarselyThanThePointsAreDense)
 {
-    for (const Vector& steps :
-         {Vector(1e-9, 0.05, 1e-9), Vector(0.03, 1e-9, 0.03), Vector(1e-7, 0.05, 0.003), Vector(1e-9, 1e-9, 0.1)})
+    for (const Vector& steps : {Vector(1e-9, 0.05, 1e-9), Vector(1e-7, 0.05, 0.003), Vector(1e-9, 1e-9, 0.1)})
     {
         const Rounding found = find_in_order(shapes::rounded(torus(), steps));
         EXPECT_NEAR(found.lattice_step, steps.maxCoeff(), 1e-9) << steps.transpose();
@@ -83,6 +82,12 @@ TEST(FindRounding, FindsAxesThatAreRoundedMoreCoarselyThanThePointsAreDense)
             slices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
         }
     EXPECT_FALSE(find_in_order(slices));
+    Points sheets; // above each other
+    for (const Point& p : shapes::sphere(12'000, 1, 4).points)
+        sheets.emplace_back(p.x(), p.y(), 0.05 * std::round(2.5 * p.z() + 2.5));
+    for (Point& p : sheets)
+        p.head<2>() = Eigen::Vector2d(std::fmod(7 * p.x() + 10, 1), std::fmod(7 * p.y() + 10, 1));
+    EXPECT_FALSE(find_in_order(sheets));
 }
 
 TEST(FindRounding, FindsNoneWhereItTellsNothing)
