@@ -97,6 +97,8 @@ TEST(FindRounding, FindsNoneWhereItTellsNothing)
     EXPECT_FALSE(find_in_order(shapes::lattice_cube(20)));                          // flat as it is
     EXPECT_FALSE(find_in_order(hills(60)));                                         // heights take any value
     EXPECT_FALSE(find_in_order(shapes::rounded(shapes::sphere(150, 1, 1).points, Vector::Constant(0.2))));
+    Points two_axes = shapes::rounded(torus(), Vector(0.05, 0.05, 1e-7));
+    EXPECT_FALSE(find_in_order(two_axes));
     Points far_apart = shapes::rounded(torus(), Vector::Constant(0.05)), warped = far_apart;
     for (Point& p : far_apart)
         p = (20 * p).array().pow(17); // whole numbers that leave most out
