@@ -20,4 +20,10 @@ inline std::uint64_t scramble(std::uint64_t z)
     return mix_bits(z + splitmix_step);
 }
 
+/// The same, uniform in [0, 1).
+inline double scramble_to_unit(std::uint64_t z)
+{
+    return double(scramble(z) >> 11) * 0x1p-53;
+}
+
 } // namespace recon

@@ -281,7 +281,7 @@ private:
         const double share = piece.twice_area / (narrow * least_radius * length);
         if (!(least_radius > 0) || share > 0.5 * piece.share)
             return false;
-        const bool stays = double(scramble(chances_++) >> 11) * 0x1p-53 * piece.share < share;
+        const bool stays = scramble_to_unit(chances_++) * piece.share < share;
         piece.share = share;
         return !stays;
     }

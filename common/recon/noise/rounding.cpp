@@ -3,6 +3,7 @@
 #include <recon/median.h>
 #include <recon/scramble.h>
 #include <recon/search/block_search.h>
+#include <recon/search/neighbours.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -256,17 +257,11 @@ bool is_at_edge_of_terrace(const Points& points, const Points& flattened, const 
 
 double measure_spacing(const Points& points)
 {
-    constexpr int near = 9;
     const BlockSearch search(points);
-    std::vector<double> areas;
+    std::vector<double> spacings;
     for (std::size_t i = 0; i < points.size(); i += points.size() / most_asked + 1)
-    {
-        std::array<int, near> indices;
-        std::array<double, near> squared;
-        const int found = search.nearest(points[i], near, indices.data(), squared.data());
-        areas.push_back(EIGEN_PI * squared[std::size_t(found - 1)] / found);
-    }
-    return std::sqrt(median(std::move(areas)));
+        spacings.push_back(measure_spacing_at(points[i], search));
+    return median(std::move(spacings));
 }
 
 /// Of an axis rounded more coarsely than the points are dense, as those of metres far north in single
@@ -353,7 +348,7 @@ Points Rounding::dither(const Points& points) const
     Points result = points;
     for (std::size_t i = 0; i < points.size(); ++i)
         for (int k = 0; k < 3; ++k)
-            result[i][k] += lattice_steps[k] * (double(scramble(3 * i + std::size_t(k)) >> 11) * 0x1p-53 - 0.5);
+            result[i][k] += lattice_steps[k] * (scramble_to_unit(3 * i + std::size_t(k)) - 0.5);
     return result;
 }
 

@@ -15,7 +15,7 @@ namespace
 /// Uniform in [0, 1), a fixed function of the index.
 double pseudo_random(std::uint64_t index)
 {
-    return double(scramble(index * splitmix_step) >> 11) * 0x1p-53;
+    return scramble_to_unit(index * splitmix_step);
 }
 
 } // namespace
