@@ -11,6 +11,7 @@
 
 #include <recon/bare_faces/bare_faces.h>
 #include <recon/crust/back_sheets.h>
+#include <recon/crust/weaving.h>
 #include <recon/errors.h>
 #include <recon/mesh/crust_mesh.h>
 #include <recon/mesh/level_sheet.h>
@@ -69,35 +70,52 @@ public:
         return found;
     }
 
-    /// A clean cloud whose crust misses points: as an open sheet, or denoised.
+    /// A clean cloud whose crust misses points, or weaves between them: as an open sheet, or denoised.
     LabelledCloud doubt_cleanness(LabelledCloud found, const Progress& progress)
     {
-        const double violated = found.labelled.violated_votes;
-        if (violated <= suspicious_votes)
+        if (found.labelled.violated_votes <= suspicious_votes)
             return found;
         std::optional<Judged> best = attempts_.judge(std::move(found));
-        const bool is_flooded = violated > flooded_above;
-        if (best->mismatch.missed_points <= bearable_miss && !is_flooded)
+        const WeavingSigns signs = list_signs(best->attempt);
+        const bool misses_points = best->mismatch.missed_points > bearable_miss,
+                   is_flooded = signs.violated > flooded_above, may_weave = may_weave_through_noise(signs);
+        if (!misses_points && !is_flooded && !may_weave)
             return std::move(best->attempt);
-        if (best->mismatch.missed_points > bearable_miss)
-            back_open_sheet(best->attempt, progress.part(0, 0.3));
+        const bool may_have_both = attempts_.points.size() <= most_points_twice;
+        const auto denoise = [&](const Progress& part)
+        { return attempts_.prepare_and_label(Denoise::on, attempts_.options.noise, part); };
+        const auto is_woven = [&](LabelledCloud& denoised)
+        { return may_weave && is_open(denoised.cloud) && weaves_through_noise(signs, list_signs(denoised)); };
+        std::optional<LabelledCloud> second;
+        Attempts::Known known_by_second;
+        if (may_weave && may_have_both)
+        {
+            const Attempts::Known known = attempts_.known();
+            second = denoise(progress.part(0, 0.3, "second attempt"));
+            if (is_woven(*second))
+                return std::move(*second);
+            known_by_second = attempts_.known();
+            attempts_.restore(known);
+        }
+        if (misses_points)
+            back_open_sheet(best->attempt, progress.part(0.3, 0.5));
         if (best->attempt.is_settled)
             return std::move(best->attempt);
         const double mismatch = best->mismatch.weighted_sum();
-        if (attempts_.points.size() > most_points_twice)
+        if (!may_have_both)
             best.reset();
+        if (second)
+            attempts_.restore(known_by_second);
+        else
+            second = denoise(progress.part(0.5, 0.6, "second attempt"));
+        if (back_noisy_sheet(*second, progress.part(0.6, 0.7)) || is_woven(*second))
+            return std::move(*second);
+        if (const double left = second->labelled.violated_votes; left < signs.violated)
         {
-            LabelledCloud second = attempts_.prepare_and_label(Denoise::on, attempts_.options.noise,
-                                                               progress.part(0.3, 0.6, "second attempt"));
-            if (back_noisy_sheet(second, progress.part(0.6, 0.7)))
-                return second;
-            if (second.labelled.violated_votes < violated)
-            {
-                if (is_flooded)
-                    return second;
-                if (Judged judged = attempts_.judge(std::move(second)); judged.mismatch.weighted_sum() < mismatch)
-                    return std::move(judged.attempt);
-            }
+            if (is_flooded)
+                return std::move(*second);
+            if (Judged judged = attempts_.judge(std::move(*second)); judged.mismatch.weighted_sum() < mismatch)
+                return std::move(judged.attempt);
         }
         return best ? std::move(best->attempt) : make_first(progress.part(0.7, 1, "first attempt again"));
     }
@@ -112,9 +130,9 @@ public:
             return false;
         if (LostSheets none; add_ground(found.cloud, none))
             return false;
-        std::optional<BackedSheets> sheet =
-            recon::back_open_sheet(found.cloud.samples, found.cloud.normals, found.labelled,
-                                   attempts_.usual_options_for(found.cloud), attempts_.times, progress);
+        std::optional<BackedSheets> sheet = recon::back_open_sheet(
+            found.cloud.samples, found.cloud.normals, found.labelled, !found.cloud.surface->report().seen_from.empty(),
+            attempts_.usual_options_for(found.cloud), attempts_.times, progress);
         if (!sheet)
             return false;
         take(found, std::move(*sheet));
@@ -133,12 +151,12 @@ public:
         const bool has_ground = add_ground(found.cloud, lost);
         if (lost.share <= bearable_lost)
             return back_some_sheets(std::move(found), lost, progress);
-        const double handles = measure_closed_topology(attempts_.extract(found)).genus(),
-                     violated = found.labelled.violated_votes;
-        const bool is_lace = handles > bearable_handles * double(found.cloud.samples.size());
+        const WeavingSigns signs = list_signs(found);
+        const bool is_lace = signs.handles > bearable_handles * double(found.cloud.samples.size());
         const double usual = found.cloud.denoised ? open_behind_with_normals : open_behind;
-        const bool is_open_behind = may_be_a_sheet(lost, is_open(found.cloud), violated) && violated > usual;
-        const bool is_whole_otherwise = !is_lace && violated <= flooded_above && !has_ground;
+        const bool is_open_behind =
+            may_be_a_sheet(lost, is_open(found.cloud), signs.violated) && signs.violated > usual;
+        const bool is_whole_otherwise = !is_lace && signs.violated <= flooded_above && !has_ground;
         if (is_whole_otherwise && !is_open_behind)
             return back_some_sheets(std::move(found), lost, progress);
         if (is_lace)
@@ -151,14 +169,14 @@ public:
         const auto is_better = [&]
         {
             const double left = slabs->labelled.violated_votes;
-            const auto has_at_most = [&](double most)
-            { return measure_closed_topology(attempts_.extract(*slabs)).genus() <= most; };
-            if (left <= clearly_backed * violated)
+            const auto has_at_most = [&](double most) { return list_signs(*slabs).handles <= most; };
+            if (left <= clearly_backed * signs.violated)
                 // Between a ground's samples are cracks rather than handles.
-                return has_ground || (!is_lace && violated > flooded_above) || has_at_most(handles);
+                return has_ground || (!is_lace && signs.violated > flooded_above) || has_at_most(signs.handles);
             if (!has_ground)
-                return is_lace && has_at_most(whole_again * handles);
-            return left < violated && has_at_most(left <= backed_ground * violated ? handles : whole_again * handles);
+                return is_lace && has_at_most(whole_again * signs.handles);
+            return left < signs.violated &&
+                   has_at_most(left <= backed_ground * signs.violated ? signs.handles : whole_again * signs.handles);
         };
         if (is_better())
             return std::move(*slabs);
@@ -300,6 +318,11 @@ private:
     bool add_ground(const PreparedSamples& cloud, LostSheets& lost) const
     {
         return is_open(cloud) && recon::add_ground(cloud.samples, cloud.normals, lost, attempts_.threads());
+    }
+
+    WeavingSigns list_signs(LabelledCloud& found)
+    {
+        return {found.labelled.violated_votes, measure_closed_topology(attempts_.extract(found)).genus()};
     }
 
     /// Whether it has normals, too.

@@ -10,6 +10,7 @@
 #include <recon/bare_faces/label_flats.h>
 #include <recon/bare_faces/label_noisy_flats.h>
 #include <recon/crust/back_sheets.h>
+#include <recon/crust/weaving.h>
 #include <recon/errors.h>
 #include <recon/mesh/crust_mesh.h>
 #include <recon/mesh/mismatch.h>
@@ -38,13 +39,6 @@ constexpr double exact_whiteness = 0.15;
 /// a quadric follows a tenth of the places closely. Coarse models have up to 0.048, with noise of a tenth of the
 /// spacing 0.051 to 0.091.
 constexpr double exact_roughness = 0.05;
-
-/// Noise of an open cloud that passed for detail: its crust comes as near to the points as no denoised one does, but
-/// weaves between them. Share of votes that it violates more than; how many times as many handles it has, and more than
-/// few: 450 and 510 of two real sweeps, 4 and 39 when denoised; and votes that the latter may violate, one by the
-/// other.
-constexpr double woven = 0.05, hardly_more = 1.1;
-constexpr int many_times = 4, few_handles = 20;
 
 /// Share of points that the crust of a scene misses where its ground is lost: 0.92 and 0.93, else 0.01.
 constexpr double many_missed = 0.3;
@@ -81,14 +75,17 @@ void back_some_sheets(LabelledSamples& found, const LostSheets& lost, bool orien
 /// With samples behind sheets that have the outside on both sides, where that is what the votes object to, or in a
 /// scene with a ground. \param violated_as_exact share of votes that labels of the points as they are violate, if these
 /// were found.
-void back_lost_sheets(LabelledSamples& found, const Vectors& normals, bool is_open, double violated_as_exact,
-                      const BallLabellingOptions& labelling, PhaseTimes& times, const Progress& progress)
+void back_lost_sheets(LabelledSamples& found, const Vectors& normals, const AmlsSurfaceReport& report,
+                      double violated_as_exact, const BallLabellingOptions& labelling, PhaseTimes& times,
+                      const Progress& progress)
 {
+    const bool is_open = report.open;
     const double violated = std::max(found.labelled.violated_votes, violated_as_exact);
     LostSheets lost = find_lost_sheets(found.samples, found.labelled, true, labelling.threads, progress.part(0, 0));
     const bool has_ground = is_open && add_ground(found.samples, normals, lost, labelling.threads);
     if (is_open && !has_ground)
-        if (auto sheet = back_open_sheet(found.samples, normals, found.labelled, labelling, times, progress))
+        if (auto sheet = back_open_sheet(found.samples, normals, found.labelled, !report.seen_from.empty(), labelling,
+                                         times, progress))
             return take(found, std::move(*sheet));
     const auto back_some = [&]
     {
@@ -148,7 +145,7 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     complete_flats(found, points, surface, labelling, times, progress.part(0.5, 0.7, "flat faces"));
     // Bare flats explain sheets without an inside.
     if (found.completed == 0)
-        back_lost_sheets(found, found.normals, surface.report().open, violated_as_exact, labelling, times,
+        back_lost_sheets(found, found.normals, surface.report(), violated_as_exact, labelling, times,
                          progress.part(0.7, 1, "backs of sheets"));
     if (found.backs > 0)
         found.normals.clear();
@@ -177,7 +174,8 @@ TriangleMesh list_crust(const LabelledSamples& found, int threads)
 /// below it answers, cancel and make it lace. None if there is no ground, or it is lost all the same, as where lines of
 /// points are far from each other.
 std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const Points& samples, const Vectors& normals,
-                                                 int isolated, const BallLabellingOptions& labelling, PhaseTimes& times,
+                                                 int isolated, const AmlsSurfaceReport& report,
+                                                 const BallLabellingOptions& labelling, PhaseTimes& times,
                                                  const Progress& progress)
 {
     LostSheets none;
@@ -186,7 +184,7 @@ std::optional<LabelledSamples> label_exact_scene(const UnitFrame& frame, const P
     LabelledBalls labelled =
         label_polar_balls(samples, normals, labelling, times, progress.part(0, 0.5, "polar balls"));
     LabelledSamples found{frame, samples, std::move(labelled), isolated, true};
-    back_lost_sheets(found, normals, true, 0, labelling, times, progress.part(0.5, 1, "backs of sheets"));
+    back_lost_sheets(found, normals, report, 0, labelling, times, progress.part(0.5, 1, "backs of sheets"));
     if (found.labelled.violated_votes > suspicious_votes &&
         measure_missed_points(samples, list_crust(found, labelling.threads), labelling.threads) > many_missed)
         return {};
@@ -247,6 +245,28 @@ std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_a
     return result;
 }
 
+/// Samples of the surface, if the crust of the points as they are weaves through the noise of an open cloud.
+std::optional<LabelledSamples> label_if_woven(const LabelledSamples& exact, const Points& points,
+                                              const AmlsSurface& surface, const BallLabellingOptions& labelling,
+                                              PhaseTimes& times, const Progress& progress)
+{
+    const auto list_signs = [&](const LabelledSamples& found)
+    {
+        return WeavingSigns{found.labelled.violated_votes,
+                            measure_closed_topology(list_crust(found, labelling.threads)).genus()};
+    };
+    if (exact.labelled.violated_votes <= suspicious_votes)
+        return {};
+    const WeavingSigns woven = list_signs(exact);
+    if (!may_weave_through_noise(woven))
+        return {};
+    LabelledSamples denoised = label_surface(points, surface, 0, labelling, times, progress);
+    if (!weaves_through_noise(woven, list_signs(denoised)))
+        return {};
+    denoised.is_settled = true;
+    return denoised;
+}
+
 /// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
 /// not exact as far as can be told, or too open.
 std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they_are, const Points& points,
@@ -280,9 +300,12 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
     };
     if (report.open)
         if (auto scene = label_exact_scene(as_they_are.frame, distinct, list_normals(progress.part(0, 0.1)), isolated,
-                                           labelling, times, progress.part(0.1, 1)))
+                                           report, labelling, times, progress.part(0.1, 1)))
             return scene;
     LabelledSamples found{as_they_are.frame, distinct, std::move(label_plain()), isolated, true};
+    if (report.open)
+        if (auto denoised = label_if_woven(found, points, surface, labelling, times, progress.part(0.1, 0.5)))
+            return denoised;
     if (report.open && may_lack_sheets(found.samples, found.labelled, labelling.threads))
         if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 1)))
         {
@@ -355,18 +378,13 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
         label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress);
     times.begin("mismatch");
     const TriangleMesh crust = list_crust(projected, labelling.threads);
-    const auto count_handles = [](const TriangleMesh& mesh) { return measure_closed_topology(mesh).genus(); };
-    const bool is_woven = surface.report().open && violated > woven &&
-                          projected.labelled.violated_votes <= hardly_more * violated &&
-                          count_handles(exact_crust) > std::max(few_handles, many_times * count_handles(crust));
     // Backs of sheets are bare.
     const bool has_better_labels =
         has_lost_sheets && projected.lost_sheets > 0
             ? projected.labelled.violated_votes <= clearly_backed * violated
             : projected.labelled.violated_votes < violated &&
                   measure_mismatch(projected.frame.to_unit(distinct), crust, labelling.threads).sum() < mismatch.sum();
-    const bool is_better = is_woven || has_better_labels;
-    return is_better ? std::move(projected) : std::move(exact);
+    return has_better_labels ? std::move(projected) : std::move(exact);
 }
 
 } // namespace

@@ -25,6 +25,10 @@ constexpr double much_missed = 0.02;
 /// pixels that fly between two depths: each hole of a sheet, as the shadow of what stands on it, is one.
 constexpr double many_holes = 2e-3;
 
+/// What a slab may lack of what the lidded crust does where the places of scanners are known: nothing was seen from
+/// behind. Two real sweeps lack 0.51 and 0.6, and 0.05 of all readings more are reached.
+constexpr double less_lack = 0.75;
+
 /// Of a slab's second attempt [spacings].
 constexpr double other_thickness = 4;
 /// Of a body closed by itself: least triangles [count], and mean thickness, below which it may be a shred between sheet
@@ -130,9 +134,11 @@ Slab make_slab(const Points& samples, const Vectors& normals, const LostSheets& 
     return {{std::move(both), std::move(both_normals), std::move(labelled), backs, open.share}, std::move(found)};
 }
 
-/// None if it is no better than what was closed by a lid.
+/// None if it is no better than what was closed by a lid. \param lack_left see Found::lack(): share of the lidded one's
+/// that it may have.
 std::optional<BackedSheets> back_all(const Points& samples, const Vectors& normals, const Found& lidded,
-                                     const BallLabellingOptions& options, PhaseTimes& times, const Progress& progress)
+                                     double lack_left, const BallLabellingOptions& options, PhaseTimes& times,
+                                     const Progress& progress)
 {
     if (samples.size() > most_backed)
         return {};
@@ -151,7 +157,7 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
     const bool has_fewer_handles =
         backed.handles < lidded.handles || (lidded.is_flat() && backed.handles == lidded.handles);
     const int most_handles = std::max(lidded.handles, int(many_holes * double(samples.size())));
-    const bool lacks_less = backed.lack() <= clearly_backed * lidded.lack() && backed.handles <= most_handles;
+    const bool lacks_less = backed.lack() <= lack_left * lidded.lack() && backed.handles <= most_handles;
     const bool is_better =
         (lidded.is_whole() ? backed.is_whole() && has_fewer_handles : backed.is_whole() || lacks_less) &&
         is_all_seen(backed.crust, samples);
@@ -171,7 +177,7 @@ bool may_lack_sheets(const Points& samples, const LabelledBalls& labelled, int t
 }
 
 std::optional<BackedSheets> back_open_sheet(const Points& samples, const Vectors& normals, const LabelledBalls& closed,
-                                            const BallLabellingOptions& options, PhaseTimes& times,
+                                            bool is_seen, const BallLabellingOptions& options, PhaseTimes& times,
                                             const Progress& progress)
 {
     if (closed.violated_votes <= suspicious_votes)
@@ -180,7 +186,8 @@ std::optional<BackedSheets> back_open_sheet(const Points& samples, const Vectors
     const Found lidded = look_at(samples, closed, options.threads);
     if (!lidded.is_flat() && !lidded.lacks_much())
         return {};
-    return back_all(samples, normals, lidded, options_for_sheets(options), times, progress);
+    return back_all(samples, normals, lidded, is_seen ? less_lack : clearly_backed, options_for_sheets(options), times,
+                    progress);
 }
 
 std::optional<BackedSheets> label_open_sheet(const Points& samples, const Vectors& normals,
@@ -192,8 +199,8 @@ std::optional<BackedSheets> label_open_sheet(const Points& samples, const Vector
     times.begin("backs of sheets");
     const Found lidded = look_at(samples, closed, options.threads);
     if (!lidded.is_whole() || lidded.handles > 0 || lidded.is_flat())
-        if (std::optional<BackedSheets> slab =
-                back_all(samples, normals, lidded, options, times, progress.part(0.4, 1, "polar balls")))
+        if (std::optional<BackedSheets> slab = back_all(samples, normals, lidded, clearly_backed, options, times,
+                                                        progress.part(0.4, 1, "polar balls")))
             return slab;
     times.end();
     if (!lidded.is_whole())

@@ -18,10 +18,11 @@ bool may_lack_sheets(const Points& samples, const LabelledBalls& labelled, int t
 /// flaps where slab and lid meet. Bodies beside it that are closed by themselves get none. \param closed labels with
 /// normals, by a lid: votes must object to them, and the lid lie near to most of the sheet, or much of it be missed.
 /// None else, and if the slab lacks parts, too, or has parts without a sample in front, as where a body became a
-/// hollow, or more handles, nor of more than a million samples. \param normals one per sample, of one side. \throws
+/// hollow, or more handles, nor of more than a million samples. \param normals one per sample, of one side. \param
+/// is_seen whether the places are known that the sheet was scanned from, so that it has no other side. \throws
 /// Cancelled.
 std::optional<BackedSheets> back_open_sheet(const Points& samples, const Vectors& normals, const LabelledBalls& closed,
-                                            const BallLabellingOptions& options, PhaseTimes& times,
+                                            bool is_seen, const BallLabellingOptions& options, PhaseTimes& times,
                                             const Progress& progress = {});
 
 /// Labels of the exact points of an open sheet with its normals: closed by a lid, or, where that lies near, touches the

@@ -52,6 +52,20 @@ TEST(LiesBetweenSheets, LaceEnclosesLessThanItShould)
     EXPECT_FALSE(lies_between_sheets(lace, {0.001, 0.25, 0, 0}, scattered));
 }
 
+// As of a real sweep, single_scan, and of a simulated one without noise.
+TEST(WeavesThroughNoise, ManyTimesTheHandlesThoughFewerVotesObject)
+{
+    const WeavingSigns real{0.040, 459}, simulated{0.30, 22};
+    EXPECT_TRUE(may_weave_through_noise(real));
+    EXPECT_TRUE(weaves_through_noise(real, {0.048, 13}));
+    EXPECT_FALSE(weaves_through_noise(real, {0.048, 46})) << "handles of its own";
+    EXPECT_FALSE(weaves_through_noise(real, {0.081, 13})) << "denoising loses parts";
+    EXPECT_TRUE(may_weave_through_noise(simulated));
+    EXPECT_FALSE(weaves_through_noise(simulated, {0.11, 10}));
+    EXPECT_FALSE(may_weave_through_noise({0.029, 459}));
+    EXPECT_FALSE(may_weave_through_noise({0.30, 20}));
+}
+
 TEST(MeasureVolume, OfATetrahedronIsASixthOfItsBox)
 {
     const TriangleMesh outward{
