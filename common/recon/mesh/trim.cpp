@@ -5,6 +5,7 @@
 #include <recon/mesh/level_sheet.h>
 #include <recon/mesh/mismatch.h>
 #include <recon/parallel.h>
+#include <recon/scan/line_spacing.h>
 #include <recon/search/block_search.h>
 #include <recon/search/nearest_samples.h>
 #include <recon/search/neighbours.h>
@@ -221,12 +222,13 @@ void close_short_rims(TriangleMesh& mesh)
 class Depths
 {
 public:
-    Depths(const Points& samples, int backs, int threads)
+    Depths(const Points& samples, int backs, const Viewpoints& viewpoints, int threads)
         : samples_(samples), sample_search_(samples, threads), scanned_(samples.begin(), samples.end() - backs),
-          search_(scanned_), spacing_(scanned_.size()), threads_(threads)
+          search_(scanned_), spacing_(measure_line_spacing(scanned_, viewpoints, threads)), threads_(threads)
     {
         parallel_for(scanned_.size(), threads, {},
-                     [&](std::size_t i) { spacing_[i] = measure_spacing_at(scanned_[i], search_); });
+                     [&](std::size_t i)
+                     { spacing_[i] = std::max(spacing_[i], measure_spacing_at(scanned_[i], search_)); });
     }
     std::vector<double> at(const Points& places) const
     {
@@ -314,7 +316,7 @@ std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double
 std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads, const Progress& progress,
                             const Viewpoints& viewpoints)
 {
-    const Depths depths(samples, backs, threads);
+    const Depths depths(samples, backs, viewpoints, threads);
     const std::vector<double> deepest =
         find_largest(mesh, progress, [&](const Points& places) { return depths.at(places); });
     // Bare triangles that share a corner are one part.

@@ -19,7 +19,8 @@ std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double
 
 /// Opens a crust over holes and open ends of the scan, with manifold rims as above. Bare is what lies farther than two
 /// spacings from every sample; bare parts that reach three spacings are dropped, lesser gaps stay closed. Spacing of a
-/// place: that of all but the sparsest tenth of the samples around it, so that a hole is one beside dense samples only.
+/// place: that of all but the sparsest tenth of the samples around it, so that a hole is one beside dense samples only;
+/// a sample's is that of the lines of its scan, if these are farther apart and the viewpoints known (line_spacing.h).
 /// \param mesh closed. \param samples in its units. \param backs the last samples, which nobody scanned [count]; what
 /// they carry is bare, but rims of a few sides that it leaves within a sheet are closed. If all is bare nothing is
 /// dropped. \returns as above.

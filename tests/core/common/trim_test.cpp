@@ -77,6 +77,19 @@ double area(const TriangleMesh& mesh)
     return sum;
 }
 
+/// Whether a triangle lies over or below the place.
+bool covers(const TriangleMesh& mesh, const Point& place)
+{
+    return std::any_of(
+        mesh.triangles.begin(), mesh.triangles.end(),
+        [&](const auto& t)
+        {
+            const auto is_left = [&](int from, int to)
+            { return (mesh.vertices[to] - mesh.vertices[from]).cross(place - mesh.vertices[from]).z() >= 0; };
+            return is_left(t[0], t[1]) && is_left(t[1], t[2]) && is_left(t[2], t[0]);
+        });
+}
+
 double mean_rise(const TriangleMesh& mesh)
 {
     Vector sum = Vector::Zero();
@@ -150,6 +163,34 @@ TEST(OpenHoles, WhatBacksCarryIsBare)
     EXPECT_EQ(measure_topology(mesh).boundary_loops, 1);
     for (const Point& v : mesh.vertices)
         EXPECT_LT(v.z(), 2 * spacing);
+}
+
+// A scanner stands over a floor that it reads in rings, at last ten times as far apart as the readings of a ring.
+TEST(OpenHoles, RingsOfAScannerAreNoHoles)
+{
+    const Point place(0, 0, 1);
+    Points samples;
+    for (double down = 60; down > 12; down -= 2)
+        for (double about = 0; about < 360; about += 0.25)
+        {
+            const double r = 1 / std::tan(down * M_PI / 180);
+            const bool is_in_shadow = r > 1.5 && (about < 40 || about > 320);
+            if (!is_in_shadow)
+                samples.emplace_back(r * std::cos(about * M_PI / 180), r * std::sin(about * M_PI / 180), 0);
+        }
+    TriangleMesh floor = make_terrain(0, true);
+    for (Point& p : floor.vertices)
+        p = 5.6 * (p - Vector(0.5, 0.5, 0));
+    TriangleMesh without_place = floor;
+    open_holes(floor, samples, 0, 1, {}, Viewpoints(place));
+    const auto is_covered = [&](double x, double y) { return covers(floor, {x, y, 0}); };
+    for (const double r : {1.0, 1.5, 2.0, 2.5})
+        for (const double about : {1.0, 2.0, 3.0, 4.0, 5.0})
+            EXPECT_TRUE(is_covered(r * std::cos(about), r * std::sin(about))) << r << " " << about;
+    EXPECT_FALSE(is_covered(0, 0)) << "below the scanner";
+    EXPECT_FALSE(is_covered(2.3, 0)) << "in the shadow";
+    open_holes(without_place, samples, 0);
+    EXPECT_LT(area(without_place), 0.6 * area(floor));
 }
 
 TEST(TrimByLength, LeavesManifoldRims)
