@@ -35,6 +35,32 @@ constexpr double backed_ground = 0.75;
 /// Noise below which an open sheet may be taken for exact [spacings]: coarse and rough ones read as noise, too.
 constexpr double exact_below = 0.2;
 
+/// That of a clean cloud, made once, where it is asked for.
+class DenoisedAttempt
+{
+public:
+    explicit DenoisedAttempt(Attempts& attempts) : attempts_(attempts), before_(attempts.known()) {}
+
+    LabelledCloud& get(const Progress& progress)
+    {
+        if (made_)
+            attempts_.restore(after_);
+        else
+        {
+            made_ = attempts_.prepare_and_label(Denoise::on, attempts_.options.noise, progress);
+            after_ = attempts_.known();
+        }
+        return *made_;
+    }
+    /// Others go on as if it had not been made.
+    void set_aside() { attempts_.restore(before_); }
+
+private:
+    Attempts& attempts_;
+    Attempts::Known before_, after_;
+    std::optional<LabelledCloud> made_;
+};
+
 /// Which attempt stays, but for lost walls, see look_for_walls().
 class CloudLabeller
 {
@@ -82,39 +108,30 @@ public:
         if (!misses_points && !is_flooded && !may_weave)
             return std::move(best->attempt);
         const bool may_have_both = attempts_.points.size() <= most_points_twice;
-        const auto denoise = [&](const Progress& part)
-        { return attempts_.prepare_and_label(Denoise::on, attempts_.options.noise, part); };
-        const auto is_woven = [&](LabelledCloud& denoised)
-        { return may_weave && is_open(denoised.cloud) && weaves_through_noise(signs, list_signs(denoised)); };
-        std::optional<LabelledCloud> second;
-        Attempts::Known known_by_second;
+        DenoisedAttempt denoised(attempts_);
+        const auto is_woven = [&](LabelledCloud& second)
+        { return may_weave && is_open(second.cloud) && weaves_through_noise(signs, list_signs(second)); };
         if (may_weave && may_have_both)
         {
-            const Attempts::Known known = attempts_.known();
-            second = denoise(progress.part(0, 0.3, "second attempt"));
-            if (is_woven(*second))
-                return std::move(*second);
-            known_by_second = attempts_.known();
-            attempts_.restore(known);
+            if (LabelledCloud& second = denoised.get(progress.part(0, 0.3, "second attempt")); is_woven(second))
+                return std::move(second);
+            denoised.set_aside();
         }
         if (misses_points)
             back_open_sheet(best->attempt, progress.part(0.3, 0.5));
         if (best->attempt.is_settled)
-            return std::move(best->attempt);
+            return denoise_if_slab_misses(std::move(best->attempt), denoised, progress.part(0.5, 1));
         const double mismatch = best->mismatch.weighted_sum();
         if (!may_have_both)
             best.reset();
-        if (second)
-            attempts_.restore(known_by_second);
-        else
-            second = denoise(progress.part(0.5, 0.6, "second attempt"));
-        if (back_noisy_sheet(*second, progress.part(0.6, 0.7)) || is_woven(*second))
-            return std::move(*second);
-        if (const double left = second->labelled.violated_votes; left < signs.violated)
+        LabelledCloud& second = denoised.get(progress.part(0.5, 0.6, "second attempt"));
+        if (back_noisy_sheet(second, progress.part(0.6, 0.7)) || is_woven(second))
+            return std::move(second);
+        if (const double left = second.labelled.violated_votes; left < signs.violated)
         {
             if (is_flooded)
-                return std::move(*second);
-            if (Judged judged = attempts_.judge(std::move(*second)); judged.mismatch.weighted_sum() < mismatch)
+                return std::move(second);
+            if (Judged judged = attempts_.judge(std::move(second)); judged.mismatch.weighted_sum() < mismatch)
                 return std::move(judged.attempt);
         }
         return best ? std::move(best->attempt) : make_first(progress.part(0.7, 1, "first attempt again"));
@@ -222,6 +239,19 @@ public:
     }
 
 private:
+    /// A slab of exact points, unless it misses much, and one of denoised samples half of that at most.
+    LabelledCloud denoise_if_slab_misses(LabelledCloud slab, DenoisedAttempt& denoised, const Progress& progress)
+    {
+        const double missed = measure_missed(slab);
+        if (missed <= much_missed)
+            return slab;
+        LabelledCloud second = back_lost_sheets(std::move(denoised.get(progress.part(0, 0.5, "second attempt"))),
+                                                progress.part(0.5, 1, "backs of sheets"));
+        second.is_settled = true;
+        return second.backs > 0 && measure_missed(second) <= clearly_backed * missed ? std::move(second)
+                                                                                     : std::move(slab);
+    }
+
     static bool may_be_tubes(const LabelledCloud& first)
     {
         const PreparedSamples& cloud = first.cloud;
@@ -318,6 +348,11 @@ private:
     bool add_ground(const PreparedSamples& cloud, LostSheets& lost) const
     {
         return is_open(cloud) && recon::add_ground(cloud.samples, cloud.normals, lost, attempts_.threads());
+    }
+
+    double measure_missed(LabelledCloud& found)
+    {
+        return measure_missed_points(found.cloud.distinct, attempts_.extract(found), attempts_.threads());
     }
 
     WeavingSigns list_signs(LabelledCloud& found)

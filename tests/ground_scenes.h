@@ -37,6 +37,14 @@ inline void expect_depth_image_faces_its_camera(const Reconstruct& reconstruct)
         }
 }
 
+/// Without noise a scanner of few beams reads the floor of a room in rings up to 27 times as far apart as readings:
+/// a back three readings behind it comes between the rings, and between them looks like a hole.
+inline void expect_floor_in_far_rings_is_whole(const Reconstruct& reconstruct)
+{
+    const recon::OrientedSamples rings = shapes::scan_by_beams(1800, 12, 0, 5, -30, 15);
+    EXPECT_GT(share_faced(reconstruct(rings.points, true), rings, 0.1), 0.98);
+}
+
 /// Over the floor the small one has few balls, and with other seeds none that stay (3 of 40); beside it the floor has
 /// no things before it, and which of its sides is the outside the ball alone tells.
 inline void expect_ball_apart_from_a_floor_faces_outward(const Reconstruct& reconstruct)

@@ -113,16 +113,19 @@ OrientedSamples laser_scan(int around, double noise, bool in_room, std::uint64_t
     return scan;
 }
 
-OrientedSamples scan_by_beams(int around, int stride, double noise, std::uint64_t seed)
+OrientedSamples scan_by_beams(int around, int stride, double noise, std::uint64_t seed, double lowest, double highest)
 {
     const OrientedSamples scan = laser_scan(around, noise, true, seed);
     OrientedSamples beams;
     for (std::size_t i = 0; i < scan.points.size(); ++i)
-        if (int(i) / around % stride == 0) // every ray of a room hits
-        {
-            beams.points.push_back(scan.points[i]);
-            beams.normals.push_back(scan.normals[i]);
-        }
+    {
+        const Point& p = scan.points[i];
+        const double above = std::asin(p.z() / p.norm()) * 180 / pi;
+        if (int(i) / around % stride != 0 || above < lowest || above > highest) // every ray of a room hits
+            continue;
+        beams.points.push_back(p);
+        beams.normals.push_back(scan.normals[i]);
+    }
     return beams;
 }
 

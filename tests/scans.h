@@ -22,8 +22,10 @@ recon::OrientedSamples laser_scan(int around, double noise, bool in_room, std::u
                                   const recon::Point& place = recon::Point::Zero(),
                                   const std::vector<recon::Box>& boxes = {});
 
-/// Those of a room by a scanner of few beams: of that scan's rows every `stride`-th.
-recon::OrientedSamples scan_by_beams(int around, int stride, double noise, std::uint64_t seed);
+/// Those of a room by a scanner of few beams: of that scan's rows every `stride`-th. \param lowest, highest angle over
+/// the horizon [degrees].
+recon::OrientedSamples scan_by_beams(int around, int stride, double noise, std::uint64_t seed, double lowest = -60,
+                                     double highest = 60);
 
 /// Such scans from several places, one after the other.
 recon::OrientedSamples laser_scans(int around, double noise, bool in_room, std::uint64_t seed,

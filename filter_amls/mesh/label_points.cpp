@@ -267,6 +267,27 @@ std::optional<LabelledSamples> label_if_woven(const LabelledSamples& exact, cons
     return denoised;
 }
 
+/// A slab of exact points, unless it misses much, and one of the surface's samples half of that at most.
+LabelledSamples label_surface_if_slab_misses(LabelledSamples slab, const Points& points, const AmlsSurface& surface,
+                                             const BallLabellingOptions& labelling, PhaseTimes& times,
+                                             const Progress& progress)
+{
+    const Points distinct = points_at(surface.data().spatial.order, points);
+    const auto measure_missed = [&](const LabelledSamples& found)
+    {
+        return measure_missed_points(found.frame.to_unit(distinct), list_crust(found, labelling.threads),
+                                     labelling.threads);
+    };
+    const double missed = measure_missed(slab);
+    if (missed <= much_missed)
+        return slab;
+    LabelledSamples denoised = label_surface(points, surface, 0, labelling, times, progress);
+    if (denoised.backs == 0 || measure_missed(denoised) > clearly_backed * missed)
+        return slab;
+    denoised.is_settled = true;
+    return denoised;
+}
+
 /// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
 /// not exact as far as can be told, or too open.
 std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they_are, const Points& points,
@@ -311,7 +332,7 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
         {
             take(found, std::move(*sheet));
             found.is_settled = true;
-            return found;
+            return label_surface_if_slab_misses(std::move(found), points, surface, labelling, times, {});
         }
     if (found.labelled.violated_votes > flooded_above)
         return {};

@@ -17,17 +17,15 @@ namespace
 
 /// Mean thickness below which the lid of what is as shallow as a saddle lies beside much of the sheet [spacings].
 constexpr double thinnest_lidded = 7;
-/// Share of samples that the crust of noisy ones misses where a sheet is lost, however deep the rest: 0.19 of a roll,
-/// 0.005 of a scanned statue, whose back would take as long as all else.
-constexpr double much_missed = 0.02;
 
 /// Handles per sample that a slab may have which is not whole but lacks half of what the lidded crust does, as at
 /// pixels that fly between two depths: each hole of a sheet, as the shadow of what stands on it, is one.
 constexpr double many_holes = 2e-3;
 
-/// What a slab may lack of what the lidded crust does where the places of scanners are known: nothing was seen from
-/// behind. Two real sweeps lack 0.51 and 0.6, and 0.05 of all readings more are reached.
-constexpr double less_lack = 0.75;
+/// What a slab may lack of what the lidded crust does where the places of scanners are known, since nothing was seen
+/// from behind: three real sweeps lack 0.51 to 0.76, and 0.05 of all readings more are reached. If it violates half of
+/// the votes only, it may lack as much (0.9, and 0.12 more are reached from the front).
+constexpr double less_lack = 0.8;
 
 /// Of a slab's second attempt [spacings].
 constexpr double other_thickness = 4;
@@ -46,7 +44,8 @@ struct Found
 {
     TriangleMesh crust;
     LostSheets lost;
-    double missed = 0; ///< Share of the samples [0..1].
+    double missed = 0;   ///< Share of the samples [0..1].
+    double violated = 0; ///< Of the votes [0..1].
     int handles = 0;
     double spacing = 0;   ///< Of the samples [length].
     double thickness = 0; ///< [spacings]
@@ -62,6 +61,7 @@ Found look_at(const Points& samples, const LabelledBalls& labelled, int threads)
     Found found;
     found.crust = triangulate_polygons(list_crust_polygons(labelled.regular, labelled.labels, threads), threads);
     found.lost = find_lost_sheets(samples, labelled, true, threads);
+    found.violated = labelled.violated_votes;
     found.missed = measure_missed_points(samples, found.crust, threads);
     found.handles = measure_closed_topology(found.crust).genus();
     found.spacing = labelled.spacing;
@@ -134,11 +134,9 @@ Slab make_slab(const Points& samples, const Vectors& normals, const LostSheets& 
     return {{std::move(both), std::move(both_normals), std::move(labelled), backs, open.share}, std::move(found)};
 }
 
-/// None if it is no better than what was closed by a lid. \param lack_left see Found::lack(): share of the lidded one's
-/// that it may have.
-std::optional<BackedSheets> back_all(const Points& samples, const Vectors& normals, const Found& lidded,
-                                     double lack_left, const BallLabellingOptions& options, PhaseTimes& times,
-                                     const Progress& progress)
+/// None if it is no better than what was closed by a lid. \param is_seen see back_open_sheet().
+std::optional<BackedSheets> back_all(const Points& samples, const Vectors& normals, const Found& lidded, bool is_seen,
+                                     const BallLabellingOptions& options, PhaseTimes& times, const Progress& progress)
 {
     if (samples.size() > most_backed)
         return {};
@@ -157,6 +155,9 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
     const bool has_fewer_handles =
         backed.handles < lidded.handles || (lidded.is_flat() && backed.handles == lidded.handles);
     const int most_handles = std::max(lidded.handles, int(many_holes * double(samples.size())));
+    const double lack_left = !is_seen                                              ? clearly_backed
+                             : backed.violated <= clearly_backed * lidded.violated ? 1
+                                                                                   : less_lack;
     const bool lacks_less = backed.lack() <= lack_left * lidded.lack() && backed.handles <= most_handles;
     const bool is_better =
         (lidded.is_whole() ? backed.is_whole() && has_fewer_handles : backed.is_whole() || lacks_less) &&
@@ -186,8 +187,7 @@ std::optional<BackedSheets> back_open_sheet(const Points& samples, const Vectors
     const Found lidded = look_at(samples, closed, options.threads);
     if (!lidded.is_flat() && !lidded.lacks_much())
         return {};
-    return back_all(samples, normals, lidded, is_seen ? less_lack : clearly_backed, options_for_sheets(options), times,
-                    progress);
+    return back_all(samples, normals, lidded, is_seen, options_for_sheets(options), times, progress);
 }
 
 std::optional<BackedSheets> label_open_sheet(const Points& samples, const Vectors& normals,
@@ -199,8 +199,8 @@ std::optional<BackedSheets> label_open_sheet(const Points& samples, const Vector
     times.begin("backs of sheets");
     const Found lidded = look_at(samples, closed, options.threads);
     if (!lidded.is_whole() || lidded.handles > 0 || lidded.is_flat())
-        if (std::optional<BackedSheets> slab = back_all(samples, normals, lidded, clearly_backed, options, times,
-                                                        progress.part(0.4, 1, "polar balls")))
+        if (std::optional<BackedSheets> slab =
+                back_all(samples, normals, lidded, false, options, times, progress.part(0.4, 1, "polar balls")))
             return slab;
     times.end();
     if (!lidded.is_whole())

@@ -76,11 +76,11 @@ inline bool may_weave_through_noise(const WeavingSigns& as_they_are)
     return as_they_are.violated > woven && as_they_are.handles > few_handles;
 }
 
-/// Whether it does, though fewer votes may say so: 13 to 113 times as many handles as the denoised one in seven real
+/// Whether it does, though fewer votes may say so: 8.6 to 113 times as many handles as the denoised one in seven real
 /// sweeps, which violates at most 1.6 times as many votes; 2.2 and 23 times in simulated ones without noise.
 inline bool weaves_through_noise(const WeavingSigns& as_they_are, const WeavingSigns& denoised)
 {
-    constexpr double many_times = 10, more_votes = 2;
+    constexpr double many_times = 6, more_votes = 2;
     return may_weave_through_noise(as_they_are) && denoised.violated <= more_votes * as_they_are.violated &&
            as_they_are.handles > many_times * denoised.handles;
 }

@@ -36,6 +36,11 @@ TEST(ReconstructAmls, ADepthImageFacesItsCamera)
     checks::expect_depth_image_faces_its_camera(mesh_of_scene);
 }
 
+TEST(ReconstructAmls, AFloorInFarRingsIsWhole)
+{
+    checks::expect_floor_in_far_rings_is_whole(mesh_of_scene);
+}
+
 TEST(ReconstructAmls, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
     checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);

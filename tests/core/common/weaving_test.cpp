@@ -58,7 +58,8 @@ TEST(WeavesThroughNoise, ManyTimesTheHandlesThoughFewerVotesObject)
     const WeavingSigns real{0.040, 459}, simulated{0.30, 22};
     EXPECT_TRUE(may_weave_through_noise(real));
     EXPECT_TRUE(weaves_through_noise(real, {0.048, 13}));
-    EXPECT_FALSE(weaves_through_noise(real, {0.048, 46})) << "handles of its own";
+    EXPECT_TRUE(weaves_through_noise(real, {0.048, 54}));
+    EXPECT_FALSE(weaves_through_noise(real, {0.048, 80})) << "handles of its own";
     EXPECT_FALSE(weaves_through_noise(real, {0.081, 13})) << "denoising loses parts";
     EXPECT_TRUE(may_weave_through_noise(simulated));
     EXPECT_FALSE(weaves_through_noise(simulated, {0.11, 10}));

@@ -105,6 +105,11 @@ TEST(NoisyPowerCrust, ATableOverAFloorFacesUpAndIsKept)
     checks::expect_table_over_a_floor_faces_up(mesh_of_scene);
 }
 
+TEST(NoisyPowerCrust, AFloorInFarRingsIsWhole)
+{
+    checks::expect_floor_in_far_rings_is_whole(mesh_of_scene);
+}
+
 TEST(NoisyPowerCrust, WhatStandsOnAGroundFacesOutwardAndTheGroundIsWhole)
 {
     checks::expect_ball_faces_outward_on_a_whole_ground(mesh_of_scene);
