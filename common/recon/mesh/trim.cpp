@@ -222,9 +222,9 @@ void close_short_rims(TriangleMesh& mesh)
 class Depths
 {
 public:
-    Depths(const Points& samples, int backs, const Viewpoints& viewpoints, int threads)
+    Depths(const Points& samples, int backs, const Viewpoints& viewpoints, int threads, const Progress& progress)
         : samples_(samples), sample_search_(samples, threads), scanned_(samples.begin(), samples.end() - backs),
-          search_(scanned_), spacing_(measure_line_spacing(scanned_, viewpoints, threads)), threads_(threads)
+          search_(scanned_), spacing_(measure_line_spacing(scanned_, viewpoints, threads, progress)), threads_(threads)
     {
         parallel_for(scanned_.size(), threads, {},
                      [&](std::size_t i)
@@ -316,9 +316,9 @@ std::vector<int> trim_by_length(TriangleMesh& mesh, const Points& points, double
 std::vector<int> open_holes(TriangleMesh& mesh, const Points& samples, int backs, int threads, const Progress& progress,
                             const Viewpoints& viewpoints)
 {
-    const Depths depths(samples, backs, viewpoints, threads);
+    const Depths depths(samples, backs, viewpoints, threads, progress.part(0, 0.2));
     const std::vector<double> deepest =
-        find_largest(mesh, progress, [&](const Points& places) { return depths.at(places); });
+        find_largest(mesh, progress.part(0.2, 1), [&](const Points& places) { return depths.at(places); });
     // Bare triangles that share a corner are one part.
     DisjointSets parts(mesh.vertices.size());
     for (std::size_t i = 0; i < deepest.size(); ++i)

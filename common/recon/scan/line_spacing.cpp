@@ -76,13 +76,17 @@ double find_next_line(std::size_t k, const Points& samples, const Seen& seen, co
 
 } // namespace
 
-std::vector<double> measure_line_spacing(const Points& samples, const Viewpoints& viewpoints, int threads)
+std::vector<double> measure_line_spacing(const Points& samples, const Viewpoints& viewpoints, int threads,
+                                         const Progress& progress)
 {
     std::vector<double> spacing(samples.size(), 0);
-    for (const Seen& seen : sort_by_place(samples, viewpoints))
+    const std::vector<Seen> by_place = sort_by_place(samples, viewpoints);
+    const double places = double(by_place.size());
+    for (std::size_t i = 0; i < by_place.size(); ++i)
     {
+        const Seen& seen = by_place[i];
         const NeighbourSearch search(seen.directions);
-        parallel_for(seen.samples.size(), threads, {},
+        parallel_for(seen.samples.size(), threads, progress.part(double(i) / places, double(i + 1) / places),
                      [&](std::size_t k) { spacing[seen.samples[k]] = find_next_line(k, samples, seen, search); });
     }
     return spacing;
