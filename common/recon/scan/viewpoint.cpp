@@ -28,6 +28,8 @@ constexpr double nearly_all = 0.9;
 constexpr std::size_t most_measured = 2'000;
 /// A place that the order tells, so near to the origin, may be the origin [1 = median range].
 constexpr double beside_origin = 0.02;
+/// Copies of a point below which they may be chance [count].
+constexpr std::size_t fewest_copies = 100;
 /// Points by which scans are told apart [count].
 constexpr std::size_t most_marks = 200'000;
 
@@ -136,6 +138,39 @@ bool is_near_origin(const Point& place, const Points& points)
     return place.norm() < beside_origin * median(std::move(ranges));
 }
 
+/// Of which there are the most copies. None if they are few.
+std::optional<Point> find_most_copied(Points points)
+{
+    std::sort(points.begin(), points.end(),
+              [](const Point& a, const Point& b)
+              { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); });
+    std::optional<Point> result;
+    std::size_t most = fewest_copies - 1;
+    for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end)
+    {
+        while (end < points.size() && points[end] == points[begin])
+            ++end;
+        if (end - begin > most)
+        {
+            most = end - begin;
+            result = points[begin];
+        }
+    }
+    return result;
+}
+
+/// A ray that nothing answered is a reading of range 0, the scanner's own place, wherever the cloud was moved to.
+/// \param sorted the points, from which it is told whether they were seen from there.
+std::optional<Point> find_place_of_no_reading(const Points& points, Points sorted)
+{
+    const std::optional<Point> place = find_most_copied(points);
+    if (!place)
+        return {};
+    for (Point& p : sorted)
+        p -= *place;
+    return is_scanner_at_origin(sorted) ? place : std::nullopt;
+}
+
 } // namespace
 
 struct Viewpoints::Seen
@@ -195,7 +230,12 @@ Viewpoints find_viewpoints(const Points& points, const Points& sorted, int threa
     Viewpoints in_order = find_scan_origins(points, threads, progress);
     const bool may_be_origin =
         in_order.empty() || (in_order.places().size() == 1 && is_near_origin(in_order.places()[0], sorted));
-    return may_be_origin && is_scanner_at_origin(sorted) ? Viewpoints(Point::Zero()) : in_order;
+    if (may_be_origin && is_scanner_at_origin(sorted))
+        return Viewpoints(Point::Zero());
+    if (in_order.empty())
+        if (const std::optional<Point> place = find_place_of_no_reading(points, sorted))
+            return Viewpoints(*place);
+    return in_order;
 }
 
 Viewpoints find_viewpoints(const Points& points, int threads, const Progress& progress)

@@ -48,8 +48,9 @@ Viewpoints find_scan_origins(const Points& points, int threads = 1, const Progre
 
 /// Places of the cameras or scanners that all points face: the origin, if they are a camera's pixels as it delivers
 /// them (depth_image.h); those that their order tells; or the origin, if that is nearly the only one of these or there
-/// are none, and they are a scanner's readings from there (even_angles.h). \param sorted the same in another order,
-/// where what does not need theirs must not hang on how they come. \pre finite. \throws Cancelled.
+/// are none, and they are a scanner's readings from there (even_angles.h); or the point of which there are the most
+/// copies, if they are readings from there, and these what was read of nothing. \param sorted the same in another
+/// order, where what does not need theirs must not hang on how they come. \pre finite. \throws Cancelled.
 Viewpoints find_viewpoints(const Points& points, const Points& sorted, int threads, const Progress& progress = {});
 Viewpoints find_viewpoints(const Points& points, int threads, const Progress& progress = {});
 

@@ -275,3 +275,20 @@ TEST(FindViewpoints, FindsPixelsInAnyOrderAndOthersByTheirs)
     EXPECT_LT((found.places()[0] - poses[1].shift).norm(), 0.03);
     EXPECT_TRUE(find_viewpoints(in_order(moved), 1).empty());
 }
+
+// Rays that nothing answered have the scanner's place; moved, and in no order, nothing else tells it.
+TEST(FindViewpoints, FindsWhereRaysThatNothingAnsweredCameFrom)
+{
+    Points scan = put(shapes::laser_scan(360, 0.01, false, 3).points, poses[1]);
+    scan = points_at(order_spatially(scan).order, scan);
+    const auto with_copies = [&](const Point& place, std::size_t count)
+    {
+        Points points = scan;
+        points.insert(points.end(), count, place);
+        return points;
+    };
+    const auto find = [](const Points& points) { return find_viewpoints(points, 1).places(); };
+    EXPECT_EQ(find(with_copies(poses[1].shift, 100)), Points{poses[1].shift});
+    EXPECT_EQ(find(with_copies(poses[1].shift, 99)), Points{});
+    EXPECT_EQ(find(with_copies(scan[5], 500)), Points{}) << "copies of a reading";
+}
