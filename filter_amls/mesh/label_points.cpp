@@ -328,11 +328,12 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
         if (auto denoised = label_if_woven(found, points, surface, labelling, times, progress.part(0.1, 0.5)))
             return denoised;
     if (report.open && may_lack_sheets(found.samples, found.labelled, labelling.threads))
-        if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 1)))
+        if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 0.75)))
         {
             take(found, std::move(*sheet));
             found.is_settled = true;
-            return label_surface_if_slab_misses(std::move(found), points, surface, labelling, times, {});
+            return label_surface_if_slab_misses(std::move(found), points, surface, labelling, times,
+                                                progress.part(0.75, 1));
         }
     if (found.labelled.violated_votes > flooded_above)
         return {};
