@@ -75,7 +75,9 @@ TriangleMesh Attempts::extract(LabelledCloud& found)
 Judged Attempts::judge(LabelledCloud attempt)
 {
     Judged result{std::move(attempt), {}};
-    result.mismatch = measure_mismatch(result.attempt.cloud.distinct, extract(result.attempt), labelling_.threads);
+    const TriangleMesh crust = extract(result.attempt);
+    result.mismatch = measure_mismatch(result.attempt.cloud.distinct, crust, labelling_.threads);
+    result.handles = measure_closed_topology(crust).genus();
     return result;
 }
 

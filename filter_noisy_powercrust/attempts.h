@@ -20,6 +20,7 @@ struct Judged
 {
     LabelledCloud attempt;
     Mismatch mismatch;
+    int handles = 0;                 ///< Genus of the crust.
     std::optional<double> lack = {}; ///< See measure_lack(), if it was asked for.
 
     bool has_lids() const { return mismatch.bare_area > bare_lid; }

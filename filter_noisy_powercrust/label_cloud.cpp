@@ -52,6 +52,18 @@ public:
         }
         return *made_;
     }
+    /// None where nothing is inside.
+    LabelledCloud* find(const Progress& progress)
+    {
+        try
+        {
+            return &get(progress);
+        }
+        catch (const AlgorithmFailure&)
+        {
+            return nullptr;
+        }
+    }
     /// Others go on as if it had not been made.
     void set_aside() { attempts_.restore(before_); }
 
@@ -102,7 +114,7 @@ public:
         if (found.labelled.violated_votes <= suspicious_votes)
             return found;
         std::optional<Judged> best = attempts_.judge(std::move(found));
-        const WeavingSigns signs = list_signs(best->attempt);
+        const WeavingSigns signs{best->attempt.labelled.violated_votes, best->handles};
         const bool misses_points = best->mismatch.missed_points > bearable_miss,
                    is_flooded = signs.violated > flooded_above, may_weave = may_weave_through_noise(signs);
         if (!misses_points && !is_flooded && !may_weave)
@@ -110,11 +122,12 @@ public:
         const bool may_have_both = attempts_.points.size() <= most_points_twice;
         DenoisedAttempt denoised(attempts_);
         const auto is_woven = [&](LabelledCloud& second)
-        { return may_weave && is_open(second.cloud) && weaves_through_noise(signs, list_signs(second)); };
+        { return is_open(second.cloud) && weaves_through_noise(signs, list_signs(second)); };
         if (may_weave && may_have_both)
         {
-            if (LabelledCloud& second = denoised.get(progress.part(0, 0.3, "second attempt")); is_woven(second))
-                return std::move(second);
+            if (LabelledCloud* second = denoised.find(progress.part(0, 0.3, "second attempt"));
+                second && is_woven(*second))
+                return std::move(*second);
             denoised.set_aside();
         }
         if (misses_points)
@@ -125,7 +138,7 @@ public:
         if (!may_have_both)
             best.reset();
         LabelledCloud& second = denoised.get(progress.part(0.5, 0.6, "second attempt"));
-        if (back_noisy_sheet(second, progress.part(0.6, 0.7)) || is_woven(second))
+        if (back_noisy_sheet(second, progress.part(0.6, 0.7)) || (!may_have_both && is_woven(second)))
             return std::move(second);
         if (const double left = second.labelled.violated_votes; left < signs.violated)
         {
@@ -245,8 +258,10 @@ private:
         const double missed = measure_missed(slab);
         if (missed <= much_missed)
             return slab;
-        LabelledCloud second = back_lost_sheets(std::move(denoised.get(progress.part(0, 0.5, "second attempt"))),
-                                                progress.part(0.5, 1, "backs of sheets"));
+        LabelledCloud* found = denoised.find(progress.part(0, 0.5, "second attempt"));
+        if (!found)
+            return slab;
+        LabelledCloud second = back_lost_sheets(std::move(*found), progress.part(0.5, 1, "backs of sheets"));
         second.is_settled = true;
         return second.backs > 0 && measure_missed(second) <= clearly_backed * missed ? std::move(second)
                                                                                      : std::move(slab);

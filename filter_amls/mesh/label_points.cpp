@@ -152,6 +152,44 @@ LabelledSamples label_surface(const Points& points, const AmlsSurface& surface, 
     return found;
 }
 
+/// Samples of the surface, labelled once, where they are asked for.
+class SurfaceAttempt
+{
+public:
+    SurfaceAttempt(const Points& points, const AmlsSurface& surface, const BallLabellingOptions& labelling,
+                   PhaseTimes& times)
+        : points(points), surface(surface), labelling(labelling), times(times)
+    {
+    }
+
+    LabelledSamples& get(const Progress& progress)
+    {
+        if (!made_)
+            made_ = label_surface(points, surface, 0, labelling, times, progress);
+        return *made_;
+    }
+    /// None where nothing is inside.
+    LabelledSamples* find(const Progress& progress)
+    {
+        try
+        {
+            return &get(progress);
+        }
+        catch (const AlgorithmFailure&)
+        {
+            return nullptr;
+        }
+    }
+
+    const Points& points;
+    const AmlsSurface& surface;
+    const BallLabellingOptions& labelling;
+    PhaseTimes& times;
+
+private:
+    std::optional<LabelledSamples> made_;
+};
+
 /// Whether points are exact as far as can be told.
 bool looks_exact(const Cleanness& cleanness, double least_noise_found)
 {
@@ -246,54 +284,52 @@ std::optional<LabelledSamples> label_bare_flats(const PointsAsTheyAre& as_they_a
 }
 
 /// Samples of the surface, if the crust of the points as they are weaves through the noise of an open cloud.
-std::optional<LabelledSamples> label_if_woven(const LabelledSamples& exact, const Points& points,
-                                              const AmlsSurface& surface, const BallLabellingOptions& labelling,
-                                              PhaseTimes& times, const Progress& progress)
+std::optional<LabelledSamples> label_if_woven(const LabelledSamples& exact, SurfaceAttempt& attempt,
+                                              const Progress& progress)
 {
     const auto list_signs = [&](const LabelledSamples& found)
     {
         return WeavingSigns{found.labelled.violated_votes,
-                            measure_closed_topology(list_crust(found, labelling.threads)).genus()};
+                            measure_closed_topology(list_crust(found, attempt.labelling.threads)).genus()};
     };
     if (exact.labelled.violated_votes <= suspicious_votes)
         return {};
     const WeavingSigns woven = list_signs(exact);
     if (!may_weave_through_noise(woven))
         return {};
-    LabelledSamples denoised = label_surface(points, surface, 0, labelling, times, progress);
-    if (!weaves_through_noise(woven, list_signs(denoised)))
+    LabelledSamples* denoised = attempt.find(progress);
+    if (!denoised || !weaves_through_noise(woven, list_signs(*denoised)))
         return {};
-    denoised.is_settled = true;
-    return denoised;
+    denoised->is_settled = true;
+    return std::move(*denoised);
 }
 
 /// A slab of exact points, unless it misses much, and one of the surface's samples half of that at most.
-LabelledSamples label_surface_if_slab_misses(LabelledSamples slab, const Points& points, const AmlsSurface& surface,
-                                             const BallLabellingOptions& labelling, PhaseTimes& times,
-                                             const Progress& progress)
+LabelledSamples label_surface_if_slab_misses(LabelledSamples slab, SurfaceAttempt& attempt, const Progress& progress)
 {
-    const Points distinct = points_at(surface.data().spatial.order, points);
+    const int threads = attempt.labelling.threads;
+    const Points distinct = points_at(attempt.surface.data().spatial.order, attempt.points);
     const auto measure_missed = [&](const LabelledSamples& found)
-    {
-        return measure_missed_points(found.frame.to_unit(distinct), list_crust(found, labelling.threads),
-                                     labelling.threads);
-    };
+    { return measure_missed_points(found.frame.to_unit(distinct), list_crust(found, threads), threads); };
     const double missed = measure_missed(slab);
     if (missed <= much_missed)
         return slab;
-    LabelledSamples denoised = label_surface(points, surface, 0, labelling, times, progress);
-    if (denoised.backs == 0 || measure_missed(denoised) > clearly_backed * missed)
+    LabelledSamples* denoised = attempt.find(progress);
+    if (!denoised || denoised->backs == 0 || measure_missed(*denoised) > clearly_backed * missed)
         return slab;
-    denoised.is_settled = true;
-    return denoised;
+    denoised->is_settled = true;
+    return std::move(*denoised);
 }
 
 /// Exact points, which are themselves the best samples: walls thinner than the width have no other. None if they are
 /// not exact as far as can be told, or too open.
-std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they_are, const Points& points,
-                                                  const AmlsSurface& surface, const BallLabellingOptions& labelling,
-                                                  PhaseTimes& times, const Progress& progress)
+std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they_are, SurfaceAttempt& attempt,
+                                                  const Progress& progress)
 {
+    const Points& points = attempt.points;
+    const AmlsSurface& surface = attempt.surface;
+    const BallLabellingOptions& labelling = attempt.labelling;
+    PhaseTimes& times = attempt.times;
     const AmlsSurfaceReport& report = surface.report();
     const Points& distinct = as_they_are.distinct;
     const int isolated = as_they_are.isolated;
@@ -325,15 +361,14 @@ std::optional<LabelledSamples> label_exact_points(const PointsAsTheyAre& as_they
             return scene;
     LabelledSamples found{as_they_are.frame, distinct, std::move(label_plain()), isolated, true};
     if (report.open)
-        if (auto denoised = label_if_woven(found, points, surface, labelling, times, progress.part(0.1, 0.5)))
+        if (auto denoised = label_if_woven(found, attempt, progress.part(0.1, 0.5)))
             return denoised;
     if (report.open && may_lack_sheets(found.samples, found.labelled, labelling.threads))
         if (auto sheet = label_open_sheet(found.samples, list_normals({}), labelling, times, progress.part(0.5, 0.75)))
         {
             take(found, std::move(*sheet));
             found.is_settled = true;
-            return label_surface_if_slab_misses(std::move(found), points, surface, labelling, times,
-                                                progress.part(0.75, 1));
+            return label_surface_if_slab_misses(std::move(found), attempt, progress.part(0.75, 1));
         }
     if (found.labelled.violated_votes > flooded_above)
         return {};
@@ -378,10 +413,12 @@ std::optional<LabelledSamples> label_tubes(const PointsAsTheyAre& as_they_are, d
 
 /// Exact points as they are, unless their crust contradicts them, as where the deep hollow of a scan is filled, and
 /// that of the surface's samples does less: then these.
-LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& points, const AmlsSurface& surface,
-                                        const BallLabellingOptions& labelling, PhaseTimes& times,
-                                        const Progress& progress)
+LabelledSamples label_surface_if_better(LabelledSamples exact, SurfaceAttempt& attempt, const Progress& progress)
 {
+    const Points& points = attempt.points;
+    const AmlsSurface& surface = attempt.surface;
+    const BallLabellingOptions& labelling = attempt.labelling;
+    PhaseTimes& times = attempt.times;
     const double violated = exact.labelled.violated_votes;
     if (exact.is_settled || violated <= suspicious_votes)
         return exact;
@@ -396,8 +433,8 @@ LabelledSamples label_surface_if_better(LabelledSamples exact, const Points& poi
             bearable_lost;
     if (mismatch.missed_points <= bearable_miss && mismatch.sum() <= bearable_mismatch && !has_lost_sheets)
         return exact;
-    LabelledSamples projected =
-        label_surface(points, surface, has_lost_sheets ? violated : 0, labelling, times, progress);
+    LabelledSamples projected = has_lost_sheets ? label_surface(points, surface, violated, labelling, times, progress)
+                                                : std::move(attempt.get(progress));
     times.begin("mismatch");
     const TriangleMesh crust = list_crust(projected, labelling.threads);
     // Backs of sheets are bare.
@@ -418,11 +455,10 @@ LabelledSamples label_points(const Points& points, const AmlsSurface& surface, b
         return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 1));
     times.begin("gate");
     const PointsAsTheyAre as_they_are(points, surface, labelling.threads);
-    if (std::optional<LabelledSamples> exact =
-            label_exact_points(as_they_are, points, surface, labelling, times, progress.part(0, 0.5)))
-        return label_surface_if_better(std::move(*exact), points, surface, labelling, times, progress.part(0.5, 1));
-    return label_unless_tubes([&]
-                              { return label_surface(points, surface, 0, labelling, times, progress.part(0.5, 0.85)); },
+    SurfaceAttempt attempt(points, surface, labelling, times);
+    if (std::optional<LabelledSamples> exact = label_exact_points(as_they_are, attempt, progress.part(0, 0.5)))
+        return label_surface_if_better(std::move(*exact), attempt, progress.part(0.5, 1));
+    return label_unless_tubes([&] { return std::move(attempt.get(progress.part(0.5, 0.85))); },
                               [&](const std::optional<LabelledSamples>& found)
                               {
                                   return label_tubes(as_they_are, found ? found->labelled.violated_votes : 1, labelling,

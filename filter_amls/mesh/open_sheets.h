@@ -24,8 +24,8 @@ bool may_lack_sheets(const Points& samples, const LabelledBalls& labelled, int t
 /// normals, by a lid: votes must object to them, and the lid lie near to most of the sheet, or much of it be missed.
 /// None else, and if the slab lacks parts, too, or has parts without a sample in front, as where a body became a
 /// hollow, or more handles, nor of more than a million samples. \param normals one per sample, of one side. \param
-/// is_seen whether the places are known that the sheet was scanned from, so that it has no other side. \throws
-/// Cancelled.
+/// is_seen whether the places are known that the sheet was scanned from, so that it has no other side, and the slab
+/// may lack more. \throws Cancelled.
 std::optional<BackedSheets> back_open_sheet(const Points& samples, const Vectors& normals, const LabelledBalls& closed,
                                             bool is_seen, const BallLabellingOptions& options, PhaseTimes& times,
                                             const Progress& progress = {});

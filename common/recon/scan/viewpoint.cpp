@@ -161,14 +161,15 @@ std::optional<Point> find_most_copied(Points points)
 
 /// A ray that nothing answered is a reading of range 0, the scanner's own place, wherever the cloud was moved to.
 /// \param sorted the points, from which it is told whether they were seen from there.
-std::optional<Point> find_place_of_no_reading(const Points& points, Points sorted)
+std::optional<Point> find_place_of_no_reading(const Points& points, const Points& sorted)
 {
     const std::optional<Point> place = find_most_copied(points);
     if (!place)
         return {};
-    for (Point& p : sorted)
-        p -= *place;
-    return is_scanner_at_origin(sorted) ? place : std::nullopt;
+    Points from_there;
+    for (const Point& p : sorted)
+        from_there.push_back(p - *place);
+    return is_scanner_at_origin(from_there) ? place : std::nullopt;
 }
 
 } // namespace
