@@ -34,7 +34,8 @@ public:
     {
     }
 
-    Points surface(int n) { return sample_mesh(model_.mesh, n, ++seed_).points; }
+    recon::OrientedSamples samples(int n) { return sample_mesh(model_.mesh, n, ++seed_); }
+    Points surface(int n) { return samples(n).points; }
     Points surface() { return surface(n_); }
     double uniform() { return shapes::uniform(random_); }
     /// A length in per cent of the diagonal.
@@ -64,6 +65,18 @@ public:
     {
         return with_noise(points, [&](const Point&) { return percent; });
     }
+    /// `copies` of each sample in turn, moved along its direction by a length drawn by `draw`.
+    template <class Draw>
+    static Points moved_along(const recon::OrientedSamples& samples, int copies, const Draw& draw)
+    {
+        Points points;
+        for (std::size_t i = 0; i < samples.points.size(); ++i)
+            for (int k = 0; k < copies; ++k)
+                points.push_back(samples.points[i] + draw() * samples.normals[i].normalized());
+        return points;
+    }
+    double gaussian() { return std::normal_distribution<double>()(random_); }
+    int count() const { return n_; }
     /// A direction and, times it, a length drawn by `draw`.
     template <class Draw>
     Points with_offsets(Points points, const Draw& draw)
@@ -217,6 +230,20 @@ const std::vector<Kind> kinds = {
     {"rounded to 0.8 %", [](Cloud& c) { return rounded(c.surface(), c.length(0.8)); }},
     {"0.4 %, rounded to 0.5 %", [](Cloud& c) { return rounded(c.with_noise(c.surface(), 0.4), c.length(0.5)); }},
     {"slices 1 % apart, 0.2 % in them", [](Cloud& c) { return c.slices(1, 0.2); }},
+    {"evenly to 0.6 % along normals", [](Cloud& c)
+     { return Cloud::moved_along(c.samples(c.count()), 1, [&] { return c.length(0.6) * (2 * c.uniform() - 1); }); }},
+    {"5 along each normal, 0.2 %", [](Cloud& c)
+     { return Cloud::moved_along(c.samples(c.count() / 5), 5, [&] { return c.length(0.2) * c.gaussian(); }); }},
+    {"10 along each normal, 0.1 %", [](Cloud& c)
+     { return Cloud::moved_along(c.samples(c.count() / 10), 10, [&] { return c.length(0.1) * c.gaussian(); }); }},
+    {"5 along one axis each, 0.3 %",
+     [](Cloud& c)
+     {
+         recon::OrientedSamples samples = c.samples(c.count() / 5);
+         for (Vector& direction : samples.normals)
+             direction = Vector::UnitZ();
+         return Cloud::moved_along(samples, 5, [&] { return c.length(0.3) * c.gaussian(); });
+     }},
 };
 
 } // namespace

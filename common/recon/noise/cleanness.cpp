@@ -1,6 +1,7 @@
 #include <recon/noise/cleanness.h>
 
 #include <recon/median.h>
+#include <recon/noise/noisy_fibres.h>
 #include <recon/noise/noisy_lines.h>
 #include <recon/noise/sheet_stack.h>
 #include <recon/parallel.h>
@@ -167,7 +168,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     { places[k] = examine_place(samples, search, samples[k * stride], k % 2 == 0); };
     parallel_for(count, threads, {}, examine, 8);
     Cleanness result;
-    result.has_noisy_lines = has_noisy_lines(samples, search, threads);
+    result.has_noisy_lines = has_noisy_lines(samples, search, threads) || has_noisy_fibres(samples, search, threads);
     std::vector<double> whiteness, roughness, noise, spacing;
     std::vector<std::size_t> noisy;
     const double cells = double((count + 1) / 2); // are known of every second place

@@ -40,7 +40,7 @@ struct Cleanness
     double noisy_part = 0;
     /// Share of samples with other sheets beside their own, see sheet_stack.h: 0.3 to 0.95 where thin walls are many.
     double stacked = 0;
-    /// Samples lie on noisy lines, see noisy_lines.h: what is near looks clean there.
+    /// Samples lie on noisy lines or fibres, see noisy_lines.h and noisy_fibres.h: what is near looks clean there.
     bool has_noisy_lines = false;
     /// Median distance to the quadric of the 12 nearest [length]: the noise, unless curvature hides it.
     double noise = 0;

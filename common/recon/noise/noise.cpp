@@ -2,6 +2,7 @@
 
 #include <recon/errors.h>
 #include <recon/median.h>
+#include <recon/noise/noisy_fibres.h>
 #include <recon/noise/noisy_lines.h>
 #include <recon/noise/pooled_noise.h>
 #include <recon/noise/scale_ladder.h>
@@ -165,11 +166,12 @@ void take_one_of_stack(const Points& seeds, const std::vector<LocalNoise>& raw, 
     parallel_for(seeds.size(), threads, {}, correct, 32);
 }
 
-/// Where many of those around lie on noisy lines: noise and density as these tell.
-void take_noise_across_lines(const CloudPyramid& pyramid, const Points& seeds, int most, double scale, int threads,
-                             PooledNoise& pooled)
+/// Where many of those around lie on noisy lines or fibres: noise and density as several of these tell.
+/// \param reach radii of neighbourhoods that hold several; 0 elsewhere. \param estimate (ladder, seed, reach).
+template <class Estimate>
+void take_noise_across(const std::vector<double>& reach, const CloudPyramid& pyramid, const Points& seeds, int most,
+                       double scale, int threads, PooledNoise& pooled, Estimate&& estimate)
 {
-    const std::vector<double> reach = find_noisy_lines(pyramid.levels[0], pyramid.searches[0], seeds, threads);
     if (reach.empty())
         return;
     std::vector<LocalNoise> across(seeds.size());
@@ -179,7 +181,7 @@ void take_noise_across_lines(const CloudPyramid& pyramid, const Points& seeds, i
                         ScaleLadder ladder(pyramid, most);
                         for (std::size_t i = begin; i < end; ++i)
                             if (reach[i] > 0)
-                                across[i] = ladder.estimate_across_lines(seeds[i], reach[i]);
+                                across[i] = estimate(ladder, seeds[i], reach[i]);
                     });
     const NeighbourSearch search(seeds);
     const auto correct = [&](std::size_t i)
@@ -227,8 +229,17 @@ NoiseEstimate estimate_noise(const Points& points, const NoiseOptions& options, 
             break;
     }
     PooledNoise pooled = pool_noise(pyramid.levels[0], pyramid.searches[0], seeds, raw, frame.scale(), threads);
-    take_one_of_stack(seeds, raw, frame.scale(), threads, pooled);
-    take_noise_across_lines(pyramid, seeds, most, frame.scale(), threads, pooled);
+    const Points& all = pyramid.levels[0];
+    const std::vector<double> fibres = find_noisy_fibres(all, pyramid.searches[0], seeds, threads);
+    if (fibres.empty()) // side by side these are like sheets
+        take_one_of_stack(seeds, raw, frame.scale(), threads, pooled);
+    take_noise_across(fibres, pyramid, seeds, most, frame.scale(), threads, pooled,
+                      [](ScaleLadder& ladder, const Point& seed, double reach)
+                      { return ladder.estimate_over_fibres(seed, reach); });
+    take_noise_across(find_noisy_lines(all, pyramid.searches[0], seeds, threads), pyramid, seeds, most, frame.scale(),
+                      threads, pooled,
+                      [](ScaleLadder& ladder, const Point& seed, double reach)
+                      { return ladder.estimate_across_lines(seed, reach); });
     progress.report(1);
     frame.from_unit_in_place(seeds);
     return NoiseEstimate(std::move(seeds), std::move(pooled.sigma), std::move(pooled.density));

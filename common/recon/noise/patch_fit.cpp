@@ -82,15 +82,15 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
             frame.col(0), seed + radius * height * frame.col(0)};
 }
 
-double fit_two_sheets(const std::vector<PatchResidual>& residuals)
+std::optional<TwoSheets> fit_two_sheets(const std::vector<PatchResidual>& residuals, double radius)
 {
-    constexpr double none = -1;
     constexpr int fewest = 3 * coefficients, rounds = 3;
     constexpr double left_by_sheets = 0.5, largest_agreement = 0.65;
+    constexpr double middle = 0.1;        // of the step, to either side
     constexpr double smallest_step = 1.3; // spacings of both together; scans out of register are nearer
     const int n = int(residuals.size());
     if (n < fewest)
-        return none;
+        return {};
     double before = 0;
     std::vector<char> is_above;
     for (const PatchResidual& r : residuals)
@@ -99,7 +99,8 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
         is_above.push_back(r.height > 0);
     }
     using LongRow = Eigen::Matrix<double, coefficients + 1, 1>;
-    double after = 0, step = 0;
+    double after = 0, fourth = 0, step = 0;
+    int between = 0;
     for (int round = 0; round < rounds; ++round)
     {
         const auto long_row = [&](std::size_t i)
@@ -110,19 +111,24 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
         };
         const LongRow solution = solve_for_heights<coefficients + 1>(residuals, long_row);
         step = 2 * solution[coefficients];
-        after = 0;
+        after = fourth = 0;
+        between = 0;
         for (std::size_t i = 0; i < residuals.size(); ++i)
         {
             const double rest = residuals[i].place[0] - long_row(i).dot(solution);
             after += rest * rest;
-            is_above[i] = residuals[i].place[0] > patch_row(residuals[i].place).dot(solution.head<coefficients>());
+            fourth += rest * rest * rest * rest;
+            const double height =
+                residuals[i].place[0] - patch_row(residuals[i].place).dot(solution.head<coefficients>());
+            between += std::abs(height) < middle * step;
+            is_above[i] = height > 0;
         }
     }
     if (after / (n - coefficients - 1) > left_by_sheets * left_by_sheets * before / (n - coefficients))
-        return none;
+        return {};
     const double spacing = std::sqrt(pi / n);
     if (step < smallest_step * spacing)
-        return none;
+        return {};
     // Of the fewer ones: a ball around one sheet cuts a smaller disc out of the other.
     const char fewer = 2 * std::count(is_above.begin(), is_above.end(), 1) <= n;
     int agreeing = 0, asked = 0;
@@ -144,7 +150,10 @@ double fit_two_sheets(const std::vector<PatchResidual>& residuals)
         agreeing += is_above[i] == is_above[nearest];
         ++asked;
     }
-    return asked > 0 && agreeing <= largest_agreement * asked ? std::sqrt(after / (n - coefficients - 1)) : none;
+    if (asked == 0 || agreeing > largest_agreement * asked)
+        return {};
+    return TwoSheets{radius * std::sqrt(after / (n - coefficients - 1)), after > 0 ? n * fourth / (after * after) : 3,
+                     between / double(n)};
 }
 
 } // namespace recon

@@ -2,6 +2,7 @@
 
 #include <recon/geometry.h>
 
+#include <optional>
 #include <vector>
 
 namespace recon
@@ -43,11 +44,19 @@ struct PatchFit
 PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbours, int count, double radius,
                    std::vector<PatchResidual>& residuals);
 
-/// Noise of each of two parallel sheets a few times the noise apart on which the neighbours lie, as those of a thin
-/// plate [radii]; negative if they do not. With a step between the sheets the quadric leaves less than half of what it
-/// leaves without (0.6 for Gaussian noise), and neighbours along the surface are as often on different sheets as on the
-/// same; what a quadric cannot follow changes sign slowly. Sheets nearer than 1.3 spacings may be scans out of
-/// register, which are one.
-double fit_two_sheets(const std::vector<PatchResidual>& residuals);
+/// Two parallel sheets taken for one layer.
+struct TwoSheets
+{
+    double sigma;    ///< Noise of each: standard deviation of the distances to it [length].
+    double kurtosis; ///< Of these distances: 1.8 of an evenly filled layer's halves.
+    double between;  ///< Share of the neighbours in the middle fifth of what lies between the sheets.
+};
+
+/// The two parallel sheets a few times the noise apart on which the neighbours lie, as those of a thin plate; nothing
+/// if they do not. Of an evenly filled layer half the places read as two. With a step between the sheets the quadric
+/// leaves less than half of what it leaves without (0.6 for Gaussian noise), and neighbours along the surface are as
+/// often on different sheets as on the same; what a quadric cannot follow changes sign slowly. Sheets nearer than 1.3
+/// spacings may be scans out of register, which are one. \param radius of the neighbourhood [length].
+std::optional<TwoSheets> fit_two_sheets(const std::vector<PatchResidual>& residuals, double radius);
 
 } // namespace recon

@@ -1,5 +1,7 @@
 #include <recon/noise/scale_ladder.h>
 
+#include <recon/noise/noisy_fibres.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -20,6 +22,8 @@ constexpr double thick = 0.3;
 /// Noise above which exact samples among noisy copies look like a sheet of a stack [spacings].
 constexpr double very_thick = 3;
 
+/// As how many points a fibre counts, at most.
+constexpr double told_by_fibre = 5;
 /// Of noisy lines [radii that reach over several].
 constexpr double line_distance = 0.9;
 
@@ -73,6 +77,13 @@ LocalNoise ScaleLadder::estimate(const Point& seed, bool ask_for_stack)
     return result;
 }
 
+LocalNoise ScaleLadder::estimate_over_fibres(const Point& seed, double reach)
+{
+    LocalNoise result = climb(seed, reach);
+    result.density = std::min(result.density, told_by_fibre * fibres_in_reach / (pi * reach * reach));
+    return result;
+}
+
 LocalNoise ScaleLadder::estimate_across_lines(const Point& seed, double reach)
 {
     LocalNoise result = climb(seed, reach);
@@ -111,7 +122,7 @@ LocalNoise ScaleLadder::climb(const Point& seed, double least)
     const double n = count_ / share_, doubt = std::max(0.5, 1.2 * std::sqrt(24 / n));
     const bool gaussian = fit_.kurtosis >= 3 * (n - 1) / (n + 1) - doubt;
     return {std::sqrt(variance), wide.density, gaussian && wide.sigma <= settled * narrow.sigma,
-            radius_ * fit_two_sheets(residuals_)};
+            fit_two_sheets(residuals_, radius_)};
 }
 
 std::optional<StackedSheet> ScaleLadder::find_sheet(const Point& at)

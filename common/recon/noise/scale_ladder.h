@@ -14,10 +14,10 @@ namespace recon
 /// What a neighbourhood tells of a place.
 struct LocalNoise
 {
-    double sigma;            ///< Standard deviation of the points' distances to their quadric [length].
-    double density;          ///< Points per area [1 / length^2].
-    bool settled = true;     ///< Whether that is noise and not shape.
-    double sheet_sigma = -1; ///< Of each of two sheets; negative if there are not two [length].
+    double sigma;        ///< Standard deviation of the points' distances to their quadric [length].
+    double density;      ///< Points per area [1 / length^2].
+    bool settled = true; ///< Whether that is noise and not shape.
+    std::optional<TwoSheets> sheets = {};
     std::optional<StackedSheet> stacked = {}; ///< Only of places that are asked.
 };
 
@@ -42,6 +42,9 @@ public:
 
     /// \param ask_for_stack whether a thick layer may be a stack of sheets.
     LocalNoise estimate(const Point& seed, bool ask_for_stack);
+    /// The same of a neighbourhood of many fibres, see noisy_fibres.h, each of which counts as few points. \param reach
+    /// its radius.
+    LocalNoise estimate_over_fibres(const Point& seed, double reach);
     /// The same of a neighbourhood of several noisy lines, see noisy_lines.h, as dense as if points were as far apart
     /// along these. \param reach its radius.
     LocalNoise estimate_across_lines(const Point& seed, double reach);

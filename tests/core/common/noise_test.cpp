@@ -195,14 +195,41 @@ TEST(EstimateNoise, TellsThinPlatesFromLayersOfNoise)
         double wall, noise, largest;
     };
     // One sample a unit of area. Half of the wall's thickness would be 0.75 and 1.
-    for (const Case& one :
-         {Case{1.5, 0, 0.02}, Case{1.5, 0.1, 0.13}, Case{1.5, 0.3, 0.36}, Case{2, 0.1, 0.3}, Case{2, 0.3, 0.4}})
+    for (const Case& one : {Case{1.5, 0, 0.02}, Case{1.5, 0.1, 0.13}, Case{1.5, 0.3, 0.36}, Case{1.5, 0.4, 0.5},
+                            Case{2, 0.1, 0.3}, Case{2, 0.3, 0.4}})
     {
         const Points plate = shapes::box(int(5000 + 200 * one.wall), Vector(50, 50, one.wall), 1).points;
         const double sigma = estimate_noise(shapes::with_noise(plate, one.noise, 2)).median_sigma();
         EXPECT_GE(sigma, 0.8 * one.noise) << one.wall << ' ' << one.noise;
         EXPECT_LE(sigma, one.largest) << one.wall << ' ' << one.noise;
     }
+}
+
+// Its halves are just as thin as those of two sheets, and half of the places read as two.
+TEST(EstimateNoise, IsOfAllOfAnEvenLayer)
+{
+    const OrientedSamples torus = shapes::torus(20'000, 1, 0.35, 3);
+    for (const double sigma : {0.026, 0.039, 0.052}) // 1, 1.5 and 2 spacings
+    {
+        shapes::Random random(4);
+        Points points = torus.points;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            points[i] += std::sqrt(3.0) * sigma * (2 * shapes::uniform(random) - 1) * torus.normals[i];
+        std::vector<double> found = estimate_noise(points).sigma();
+        EXPECT_GT(quantile(std::move(found), 0.05), 0.75 * sigma) << sigma;
+    }
+}
+
+// Noise of bounded reach leaves a gap between them.
+TEST(EstimateNoise, IsOfOneSheetOfAPlateWhoseNoiseIsEven)
+{
+    const OrientedSamples plate = shapes::box(5'300, Vector(50, 50, 1.5), 1);
+    constexpr double noise = 0.3;
+    shapes::Random random(2);
+    Points points = plate.points;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] += std::sqrt(3.0) * noise * (2 * shapes::uniform(random) - 1) * plate.normals[i];
+    EXPECT_NEAR(estimate_noise(points).median_sigma(), noise, 0.2 * noise);
 }
 
 TEST(EstimateNoise, IsOfOneSheetInAStack)

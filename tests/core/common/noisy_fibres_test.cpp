@@ -1,0 +1,127 @@
+#include <recon/noise/noisy_fibres.h>
+
+#include <recon/noise/cleanness.h>
+#include <recon/noise/noise.h>
+#include <recon/search/spatial_order.h>
+
+#include "tests/scans.h"
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace recon;
+
+namespace
+{
+
+constexpr double major = 1, minor = 0.4;
+constexpr int positions = 4'000; // 0.05 apart
+
+Points sorted(const Points& points)
+{
+    return points_at(order_spatially(points, 1).order, points);
+}
+
+bool has_fibres(const Points& points)
+{
+    const Points ordered = sorted(points);
+    return has_noisy_fibres(ordered, BlockSearch(ordered), 1);
+}
+
+/// Copies of each sample of a torus, moved along its normal.
+Points moved_along_normals(int copies, double sigma, std::uint64_t seed)
+{
+    const OrientedSamples torus = shapes::torus(positions, major, minor, seed);
+    shapes::Random random(seed + 1);
+    std::normal_distribution<double> gauss(0, sigma);
+    Points points;
+    for (std::size_t i = 0; i < torus.points.size(); ++i)
+        for (int k = 0; k < copies; ++k)
+            points.push_back(torus.points[i] + gauss(random) * torus.normals[i]);
+    return points;
+}
+
+/// Square rods beside each other, points at `heights` on each of their edges. \param shift of an edge's points along
+/// it, at most.
+Points rods(const std::vector<double>& heights, double shift)
+{
+    shapes::Random random(11);
+    Points points;
+    for (int i = 0; i < 20; ++i)
+        for (int j = 0; j < 20; ++j)
+        {
+            const double left = i + 0.4 * shapes::uniform(random), front = j + 0.4 * shapes::uniform(random);
+            for (const double x : {0.0, 0.5})
+                for (const double y : {0.0, 0.6})
+                {
+                    const double lowest = shift * shapes::uniform(random);
+                    for (const double z : heights)
+                        points.emplace_back(left + x, front + y, lowest + z);
+                }
+        }
+    return points;
+}
+
+TEST(NoisyFibres, AreCopiesAlongTheNormal)
+{
+    for (const int copies : {4, 10, 30})
+        for (const double sigma : {0.01, 0.04})
+            EXPECT_TRUE(has_fibres(moved_along_normals(copies, sigma, 3))) << copies << ' ' << sigma;
+}
+
+TEST(NoisyFibres, AreFramesOfACameraThatStandsStill)
+{
+    OrientedSamples seen = shapes::laser_scan(120, 0, true, 3);
+    shapes::Random random(4);
+    std::normal_distribution<double> gauss(0, 0.02);
+    Points points;
+    for (const Point& p : seen.points)
+        for (int frame = 0; frame < 5; ++frame)
+            points.push_back(p + gauss(random) * p.normalized());
+    EXPECT_TRUE(has_fibres(points));
+}
+
+TEST(NoisyFibres, AreNoneWhereNoiseGoesAnywhereOrThereIsNone)
+{
+    EXPECT_FALSE(has_fibres(shapes::scattered(2'000, Vector(1, 0, 0), 5)));
+    const Points torus = shapes::torus(positions, major, minor, 5).points;
+    EXPECT_FALSE(has_fibres(torus));
+    EXPECT_FALSE(has_fibres(shapes::torus_of_rings(20, 8).points));
+    EXPECT_FALSE(has_fibres(shapes::laser_scan(240, 0.01, true, 3).points));
+    EXPECT_FALSE(has_fibres(shapes::scan_by_beams(720, 12, 0.01, 3).points));
+    for (const double sigma : {0.01, 0.04})
+        EXPECT_FALSE(has_fibres(shapes::with_noisy_copies(torus, sigma, 4, 6))) << sigma;
+}
+
+// Points of an edge are as far apart as those of the next, or begin where those do.
+TEST(NoisyFibres, AreNoEdgesOfRods)
+{
+    EXPECT_FALSE(has_fibres(rods({0, 0.3, 0.6, 0.9, 1.2}, 0.3)));
+    EXPECT_FALSE(has_fibres(rods({0, 0.1, 0.5, 1.1, 1.2}, 0)));
+}
+
+// A few fibres are on a quadric through them, so the noise of copies along normals was told as 0.
+TEST(NoisyFibres, TellTheirNoise)
+{
+    for (const int copies : {4, 10, 30})
+        for (const double sigma : {0.01, 0.04})
+        {
+            const Points points = sorted(moved_along_normals(copies, sigma, 7));
+            const NoiseEstimate found = estimate_noise(points);
+            EXPECT_NEAR(found.median_sigma(), sigma, 0.2 * sigma) << copies << ' ' << sigma;
+            EXPECT_TRUE(measure_cleanness(points, 1).is_noisy_in_parts()) << copies << ' ' << sigma;
+        }
+}
+
+// Or thirty frames would look as if a surface were known far better between the pixels.
+TEST(NoisyFibres, CountAsFewPoints)
+{
+    const double apart = std::sqrt(4 * M_PI * M_PI * major * minor / positions);
+    const NoiseEstimate found = estimate_noise(moved_along_normals(30, 0.01, 9));
+    EXPECT_GT(found.median_spacing(), 0.35 * apart);
+    EXPECT_LT(found.median_spacing(), 0.6 * apart);
+}
+
+} // namespace
