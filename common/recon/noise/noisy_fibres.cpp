@@ -18,22 +18,43 @@ namespace
 
 /// Clouds of fewer points say nothing [count].
 constexpr std::size_t fewest_points = 1'000;
-/// Places asked [count], and the share of them that must lie on fibres: 0.26 at most of 1,279 models and scans, mostly
-/// parts of CAD programs; 0.65 and more of copies along normals, 0.47 and more along one axis.
+/// Places asked [count], and the share of them that must lie on fibres: 0.34 at most of 1,279 models and scans, mostly
+/// parts of CAD programs, 0.65 and more of copies along normals, 0.47 and more along one axis.
 constexpr std::size_t asked = 200;
-constexpr double least_share = 0.35;
+constexpr double least_share = 0.4;
+/// The same of those asked first, and by what these go on among all places, so that they lie all over the cloud.
+constexpr std::size_t asked_first = 40, stride = 73;
+constexpr double least_share_first = 0.15;
 /// Neighbours among which a fibre is sought, and others on it, at least; neighbours that must lie beside it, and of how
 /// many these are sought [count].
 constexpr int most_neighbours = 48, fewest_on_fibre = 2, most_around = 1'536;
 constexpr std::size_t fewest_beside = 24;
 /// Distance from the line by the distance along it, at most.
 constexpr double off_line = 0.002;
+/// Neighbours whose normal is asked for fibres that are not exact, how thick these may be by their breadth, points on
+/// such a fibre, at most [count], and its length by its thickness, at least.
+constexpr int fewest_across = 160, most_across = 2'560;
+constexpr double most_thickness = 0.4, least_length = 3;
+constexpr std::size_t most_on_fibre = 24;
+/// Of the k on it and the next one beside it, the distances r and R from its line: k log(R / r) is that large by chance
+/// at one place of fifty.
+constexpr double least_evidence = 2.3;
 /// Spread of the neighbours beside it, seen along the fibre: the second direction's by the first's, at least. Rows of a
 /// scan and edges of a mesh lie in one surface with their neighbours.
 constexpr double least_breadth = 0.4;
 /// Points of a row are as far apart one as the other, or those of the next row begin where its own do; what noise
 /// scatters does not: the least gap by the largest, at most, and share of the heights that others have, too.
 constexpr double most_even = 0.5, same_height = 0.001, most_at_height = 0.4;
+
+/// The line of a fibre through a place.
+struct Line
+{
+    Vector along;      ///< Unit.
+    double radius = 0; ///< From it less on the fibre than beside it [length]; 0 if they lie exactly on it.
+
+    double distance(const Vector& from) const { return (from - from.dot(along) * along).norm(); }
+    bool has(const Vector& from) const { return distance(from) <= std::max(radius, off_line * from.norm()); }
+};
 
 /// A fibre through a place, and what is near that.
 struct Fibre
@@ -51,10 +72,12 @@ public:
     /// The fibre through a place, if it is one among others.
     std::optional<Fibre> find(const Point& at)
     {
-        const std::optional<Vector> along = find_direction(at);
-        if (!along)
+        std::optional<Line> line = find_exact(at);
+        if (!line)
+            line = find_along_normal(at);
+        if (!line)
             return {};
-        Fibre fibre{*along, {}, {}};
+        Fibre fibre{line->along, {}, {}};
         for (int count = most_neighbours; count <= most_around && fibre.beside.size() < fewest_beside; count *= 2)
         {
             find_neighbours(at, count);
@@ -63,7 +86,7 @@ public:
             for (const int k : near_)
             {
                 const Vector from = points_[std::size_t(k)] - at;
-                (is_along(from, *along) ? fibre.on : fibre.beside).push_back(from);
+                (line->has(from) ? fibre.on : fibre.beside).push_back(from);
             }
         }
         return !fibre.beside.empty() && are_spread(fibre) && is_scattered(fibre)
@@ -78,19 +101,14 @@ public:
     }
 
 private:
-    static bool is_along(const Vector& from, const Vector& line)
-    {
-        const double length = from.dot(line);
-        return from.squaredNorm() - length * length <= off_line * off_line * from.squaredNorm();
-    }
     void find_neighbours(const Point& at, int count)
     {
         near_.resize(std::size_t(count));
         squared_.resize(near_.size());
         near_.resize(std::size_t(search_.nearest(at, count, near_.data(), squared_.data())));
     }
-    /// In which most of the neighbours lie, if there are enough.
-    std::optional<Vector> find_direction(const Point& at)
+    /// That on which most of the neighbours lie, if there are enough.
+    std::optional<Line> find_exact(const Point& at)
     {
         find_neighbours(at, most_neighbours);
         std::vector<Vector> directions;
@@ -102,14 +120,65 @@ private:
         for (const Vector& direction : directions)
         {
             const auto count = std::count_if(directions.begin(), directions.end(),
-                                             [&](const Vector& other) { return is_along(other, direction); });
+                                             [&](const Vector& other) { return Line{direction}.has(other); });
             if (count > most)
             {
                 most = count;
                 best = direction;
             }
         }
-        return best.isZero(0) ? std::nullopt : std::optional<Vector>(best);
+        return best.isZero(0) ? std::nullopt : std::optional<Line>(Line{best});
+    }
+    /// Of the nearest, as many as lie flat.
+    std::optional<Vector> find_normal(const Point& at)
+    {
+        for (int count = fewest_across; count <= most_across; count *= 4)
+        {
+            find_neighbours(at, count);
+            Vector mean = Vector::Zero();
+            Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+            for (const int k : near_)
+            {
+                const Vector from = points_[std::size_t(k)] - at;
+                mean += from;
+                squares += from * from.transpose();
+            }
+            mean /= double(near_.size());
+            Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+            solver.computeDirect(squares / double(near_.size()) - mean * mean.transpose());
+            if (solver.eigenvalues()[0] <= most_thickness * most_thickness * solver.eigenvalues()[1])
+                return solver.eigenvectors().col(0);
+        }
+        return {};
+    }
+    /// That along the normal of what is around, about which some neighbours lie far nearer than others.
+    std::optional<Line> find_along_normal(const Point& at)
+    {
+        const std::optional<Vector> normal = find_normal(at);
+        if (!normal)
+            return {};
+        Line line{*normal};
+        std::vector<std::pair<double, double>> places; // distance from the line, height along it
+        for (const int k : near_)
+        {
+            const Vector from = points_[std::size_t(k)] - at;
+            places.emplace_back(line.distance(from), from.dot(line.along));
+        }
+        std::sort(places.begin(), places.end());
+        double lowest = 0, highest = 0;
+        for (std::size_t k = 1; k < std::min(most_on_fibre, places.size()) - 1; ++k) // the first is the place itself
+        {
+            const double here = places[k].first, next = places[k + 1].first;
+            lowest = std::min(lowest, places[k].second);
+            highest = std::max(highest, places[k].second);
+            if (k >= fewest_on_fibre && here > 0 && double(k) * std::log(next / here) > least_evidence &&
+                highest - lowest > least_length * here)
+            {
+                line.radius = std::sqrt(here * next);
+                return line;
+            }
+        }
+        return {};
     }
     static bool are_spread(const Fibre& fibre)
     {
@@ -160,12 +229,19 @@ bool has_noisy_fibres(const Points& points, const BlockSearch& search, int threa
     if (points.size() < fewest_points)
         return false;
     std::vector<char> is_on_fibre(asked);
-    const auto look = [&](std::size_t k) {
+    const auto look = [&](std::size_t k)
+    {
+        const std::size_t place = k * stride % asked;
         is_on_fibre[k] =
-            FibreSearch(points, search).find(points[(2 * k + 1) * points.size() / (2 * asked)]).has_value();
+            FibreSearch(points, search).find(points[(2 * place + 1) * points.size() / (2 * asked)]).has_value();
     };
-    parallel_for(asked, threads, {}, look, 8);
-    return double(std::count(is_on_fibre.begin(), is_on_fibre.end(), 1)) > least_share * double(asked);
+    const auto count_found = [&] { return double(std::count(is_on_fibre.begin(), is_on_fibre.end(), 1)); };
+    parallel_for(asked_first, threads, {}, look, 8);
+    if (count_found() < least_share_first * double(asked_first))
+        return false;
+    parallel_for(
+        asked - asked_first, threads, {}, [&](std::size_t k) { look(asked_first + k); }, 8);
+    return count_found() > least_share * double(asked);
 }
 
 std::vector<double> find_noisy_fibres(const Points& points, const BlockSearch& search, const Points& seeds, int threads)

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 using namespace recon;
 
@@ -30,8 +31,8 @@ bool has_fibres(const Points& points)
     return has_noisy_fibres(ordered, BlockSearch(ordered), 1);
 }
 
-/// Copies of each sample of a torus, moved along its normal.
-Points moved_along_normals(int copies, double sigma, std::uint64_t seed)
+/// Copies of each sample of a torus, moved along its normal and, by that share of it, to any side.
+Points moved_along_normals(int copies, double sigma, std::uint64_t seed, double sideways = 0)
 {
     const OrientedSamples torus = shapes::torus(positions, major, minor, seed);
     shapes::Random random(seed + 1);
@@ -40,7 +41,7 @@ Points moved_along_normals(int copies, double sigma, std::uint64_t seed)
     for (std::size_t i = 0; i < torus.points.size(); ++i)
         for (int k = 0; k < copies; ++k)
             points.push_back(torus.points[i] + gauss(random) * torus.normals[i]);
-    return points;
+    return shapes::with_noise(points, sideways * sigma, seed + 2);
 }
 
 /// Square rods beside each other, points at `heights` on each of their edges. \param shift of an edge's points along
@@ -71,6 +72,16 @@ TEST(NoisyFibres, AreCopiesAlongTheNormal)
             EXPECT_TRUE(has_fibres(moved_along_normals(copies, sigma, 3))) << copies << ' ' << sigma;
 }
 
+TEST(NoisyFibres, NeedNotBeExact)
+{
+    for (const auto& [sigma, sideways] : {std::pair(0.03, 0.05), std::pair(0.03, 0.1), std::pair(0.05, 0.05)})
+    {
+        const Points points = moved_along_normals(5, sigma, 3, sideways);
+        EXPECT_TRUE(has_fibres(points)) << sigma << ' ' << sideways;
+        EXPECT_NEAR(estimate_noise(points).median_sigma(), sigma, 0.2 * sigma) << sigma << ' ' << sideways;
+    }
+}
+
 TEST(NoisyFibres, AreFramesOfACameraThatStandsStill)
 {
     OrientedSamples seen = shapes::laser_scan(120, 0, true, 3);
@@ -93,6 +104,16 @@ TEST(NoisyFibres, AreNoneWhereNoiseGoesAnywhereOrThereIsNone)
     EXPECT_FALSE(has_fibres(shapes::scan_by_beams(720, 12, 0.01, 3).points));
     for (const double sigma : {0.01, 0.04})
         EXPECT_FALSE(has_fibres(shapes::with_noisy_copies(torus, sigma, 4, 6))) << sigma;
+}
+
+TEST(NoisyFibres, AreNoRowsInOneSurface)
+{
+    shapes::Random random(13);
+    Points points;
+    for (int row = 0; row < 60; ++row)
+        for (int i = 0; i < 60; ++i)
+            points.emplace_back(60 * shapes::uniform(random), row, 0);
+    EXPECT_FALSE(has_fibres(points));
 }
 
 // Points of an edge are as far apart as those of the next, or begin where those do.
