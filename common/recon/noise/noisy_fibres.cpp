@@ -29,6 +29,8 @@ constexpr double least_share_first = 0.15;
 /// many these are sought [count].
 constexpr int most_neighbours = 48, fewest_on_fibre = 2, most_around = 1'536;
 constexpr std::size_t fewest_beside = 24;
+/// They must be several fibres: by the points on this one, at least.
+constexpr std::size_t beside_by_on = 6;
 /// Distance from the line by the distance along it, at most.
 constexpr double off_line = 0.002;
 /// Neighbours whose normal is asked for fibres that are not exact, how thick these may be by their breadth, points on
@@ -45,6 +47,7 @@ constexpr double least_breadth = 0.4;
 /// Points of a row are as far apart one as the other, or those of the next row begin where its own do; what noise
 /// scatters does not: the least gap by the largest, at most, and share of the heights that others have, too.
 constexpr double most_even = 0.5, same_height = 0.001, most_at_height = 0.4;
+constexpr std::size_t asked_of_heights = 96; // of many some have the same by chance
 
 /// The line of a fibre through a place.
 struct Line
@@ -78,7 +81,9 @@ public:
         if (!line)
             return {};
         Fibre fibre{line->along, {}, {}};
-        for (int count = most_neighbours; count <= most_around && fibre.beside.size() < fewest_beside; count *= 2)
+        const auto has_enough = [&]
+        { return fibre.beside.size() >= std::max(fewest_beside, beside_by_on * fibre.on.size()); };
+        for (int count = most_neighbours; count <= most_around && !has_enough(); count *= 2)
         {
             find_neighbours(at, count);
             fibre.on.clear();
@@ -206,9 +211,10 @@ private:
             least = std::min(least, heights[k] - heights[k - 1]);
             largest = std::max(largest, heights[k] - heights[k - 1]);
         }
+        const auto nearest = fibre.beside.begin() + std::ptrdiff_t(std::min(asked_of_heights, fibre.beside.size()));
         const auto is_shared = [&](double height)
         {
-            return std::any_of(fibre.beside.begin(), fibre.beside.end(),
+            return std::any_of(fibre.beside.begin(), nearest,
                                [&](const Vector& from)
                                { return std::abs(from.dot(fibre.along) - height) < same_height * length; });
         };

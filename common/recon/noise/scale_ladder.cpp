@@ -22,8 +22,9 @@ constexpr double thick = 0.3;
 /// Noise above which exact samples among noisy copies look like a sheet of a stack [spacings].
 constexpr double very_thick = 3;
 
-/// As how many points a fibre counts, at most.
-constexpr double told_by_fibre = 5;
+/// As how many points a fibre counts, at most: where noise is less than the distance to the next, few, since windows
+/// must reach several; from half of that on as many. By the noise in these distances between both.
+constexpr double fewest_of_fibre = 1.5, most_of_fibre = 5, of_fibre_by_noise = 10;
 /// Of noisy lines [radii that reach over several].
 constexpr double line_distance = 0.9;
 
@@ -80,7 +81,10 @@ LocalNoise ScaleLadder::estimate(const Point& seed, bool ask_for_stack)
 LocalNoise ScaleLadder::estimate_over_fibres(const Point& seed, double reach)
 {
     LocalNoise result = climb(seed, reach);
-    result.density = std::min(result.density, told_by_fibre * fibres_in_reach / (pi * reach * reach));
+    const double fibres = fibres_in_reach / (pi * reach * reach);
+    const double told =
+        std::clamp(of_fibre_by_noise * result.sigma * std::sqrt(fibres), fewest_of_fibre, most_of_fibre);
+    result.density = std::min(result.density, told * fibres);
     return result;
 }
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 using namespace recon;
@@ -84,14 +85,17 @@ TEST(NoisyFibres, NeedNotBeExact)
 
 TEST(NoisyFibres, AreFramesOfACameraThatStandsStill)
 {
-    OrientedSamples seen = shapes::laser_scan(120, 0, true, 3);
-    shapes::Random random(4);
-    std::normal_distribution<double> gauss(0, 0.02);
-    Points points;
-    for (const Point& p : seen.points)
-        for (int frame = 0; frame < 5; ++frame)
-            points.push_back(p + gauss(random) * p.normalized());
-    EXPECT_TRUE(has_fibres(points));
+    const Points seen = shapes::laser_scan(120, 0, true, 3).points;
+    for (const int frames : {5, 20})
+    {
+        shapes::Random random(4);
+        std::normal_distribution<double> gauss(0, 0.02);
+        Points points;
+        for (const Point& p : seen)
+            for (int frame = 0; frame < frames; ++frame)
+                points.push_back(p + gauss(random) * p.normalized());
+        EXPECT_TRUE(has_fibres(points)) << frames;
+    }
 }
 
 TEST(NoisyFibres, AreNoneWhereNoiseGoesAnywhereOrThereIsNone)
@@ -140,9 +144,13 @@ TEST(NoisyFibres, TellTheirNoise)
 TEST(NoisyFibres, CountAsFewPoints)
 {
     const double apart = std::sqrt(4 * M_PI * M_PI * major * minor / positions);
-    const NoiseEstimate found = estimate_noise(moved_along_normals(30, 0.01, 9));
-    EXPECT_GT(found.median_spacing(), 0.35 * apart);
-    EXPECT_LT(found.median_spacing(), 0.6 * apart);
+    // Of little noise, where a window must reach several fibres, and of more.
+    for (const auto& [sigma, least, most] : {std::tuple(0.01, 0.6, 1.0), std::tuple(0.04, 0.35, 0.6)})
+    {
+        const NoiseEstimate found = estimate_noise(moved_along_normals(30, sigma, 9));
+        EXPECT_GT(found.median_spacing(), least * apart) << sigma;
+        EXPECT_LT(found.median_spacing(), most * apart) << sigma;
+    }
 }
 
 } // namespace
