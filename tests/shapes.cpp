@@ -483,4 +483,17 @@ Points with_noisy_copies(const Points& points, double sigma, int copies, std::ui
     return result;
 }
 
+OrientedSamples copies_along_normals(const OrientedSamples& samples, double sigma, int copies, std::uint64_t seed)
+{
+    Random random(seed);
+    OrientedSamples result;
+    for (std::size_t i = 0; i < samples.points.size(); ++i)
+        for (int k = 0; k < copies; ++k)
+        {
+            result.points.push_back(samples.points[i] + sigma * gaussian(random) * samples.normals[i]);
+            result.normals.push_back(samples.normals[i]);
+        }
+    return result;
+}
+
 } // namespace shapes

@@ -137,6 +137,9 @@ recon::Points with_noise_beyond(double x, const recon::Points& points, double si
 recon::Points noisy_copies(const recon::Points& points, double sigma, int copies, std::uint64_t seed);
 /// Every point, and `copies` Gaussian copies of it: the clouds of Mederos et al. and of our benchmarks.
 recon::Points with_noisy_copies(const recon::Points& points, double sigma, int copies, std::uint64_t seed);
+/// Copies of each sample, moved along its normal alone, with that.
+recon::OrientedSamples copies_along_normals(const recon::OrientedSamples& samples, double sigma, int copies,
+                                            std::uint64_t seed);
 
 /// A square cup with one sample a unit of area.
 struct Cup

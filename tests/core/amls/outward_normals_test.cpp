@@ -52,6 +52,18 @@ TEST(OutwardNormals, ThinWallsOfNoisyPointsFaceOutwardOnBothSides)
     }
 }
 
+// A few of which are like a surface without noise: .82 and .50 were right.
+TEST(OutwardNormals, OfCopiesAlongNormalsFaceOutward)
+{
+    for (const int copies : {5, 15})
+    {
+        const OrientedSamples cloud = shapes::copies_along_normals(shapes::torus(4000, 1, 0.4, 7), 0.04, copies, 8);
+        const OutwardNormals found = find_outward_normals(cloud.points);
+        EXPECT_FALSE(found.is_exact) << copies;
+        EXPECT_GT(checks::share_facing(found.normals, cloud.normals), 0.999) << copies;
+    }
+}
+
 // Walls of 1.6 spacings read as noise, and the cloud as a solid: .58 were right.
 TEST(OutwardNormals, WallsThatReadAsNoiseAreSoughtWithLessOfIt)
 {

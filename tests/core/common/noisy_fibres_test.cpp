@@ -36,13 +36,8 @@ bool has_fibres(const Points& points)
 Points moved_along_normals(int copies, double sigma, std::uint64_t seed, double sideways = 0)
 {
     const OrientedSamples torus = shapes::torus(positions, major, minor, seed);
-    shapes::Random random(seed + 1);
-    std::normal_distribution<double> gauss(0, sigma);
-    Points points;
-    for (std::size_t i = 0; i < torus.points.size(); ++i)
-        for (int k = 0; k < copies; ++k)
-            points.push_back(torus.points[i] + gauss(random) * torus.normals[i]);
-    return shapes::with_noise(points, sideways * sigma, seed + 2);
+    return shapes::with_noise(shapes::copies_along_normals(torus, sigma, copies, seed + 1).points, sideways * sigma,
+                              seed + 2);
 }
 
 /// Square rods beside each other, points at `heights` on each of their edges. \param shift of an edge's points along
@@ -85,17 +80,11 @@ TEST(NoisyFibres, NeedNotBeExact)
 
 TEST(NoisyFibres, AreFramesOfACameraThatStandsStill)
 {
-    const Points seen = shapes::laser_scan(120, 0, true, 3).points;
+    OrientedSamples seen = shapes::laser_scan(120, 0, true, 3);
+    for (std::size_t i = 0; i < seen.points.size(); ++i)
+        seen.normals[i] = seen.points[i].normalized(); // the rays
     for (const int frames : {5, 20})
-    {
-        shapes::Random random(4);
-        std::normal_distribution<double> gauss(0, 0.02);
-        Points points;
-        for (const Point& p : seen)
-            for (int frame = 0; frame < frames; ++frame)
-                points.push_back(p + gauss(random) * p.normalized());
-        EXPECT_TRUE(has_fibres(points)) << frames;
-    }
+        EXPECT_TRUE(has_fibres(shapes::copies_along_normals(seen, 0.02, frames, 4).points)) << frames;
 }
 
 TEST(NoisyFibres, AreNoneWhereNoiseGoesAnywhereOrThereIsNone)
