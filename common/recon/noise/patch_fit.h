@@ -48,7 +48,7 @@ PatchFit fit_patch(const Points& points, const Point& seed, const int* neighbour
 struct TwoSheets
 {
     double sigma;    ///< Noise of each: standard deviation of the distances to it [length].
-    double kurtosis; ///< Of these distances: 1.8 of an evenly filled layer's halves.
+    double kurtosis; ///< Of these distances: 3 of Gaussian noise, less of an evenly filled layer's halves.
     double between;  ///< Share of the neighbours in the middle fifth of what lies between the sheets.
 };
 

@@ -43,7 +43,7 @@ constexpr double most_noise_beside_less = 2;
 /// Seeds around that tell an evenly filled layer from two sheets, and how many of these must see any. The halves of a
 /// layer have a kurtosis of 2.2 to 2.3 and .05 of the points in their middle, sheets 4 and 3.5 times their noise apart
 /// 2.6 and .03 to .05; sheets whose noise is even have nothing there.
-constexpr int asked_of_layer = 105, fewest_with_sheets = 25;
+constexpr int asked_of_layer = 105, fewest_with_sheets = 26;
 constexpr double most_kurtosis_of_layer = 2.42, least_between_in_layer = 0.025;
 constexpr std::size_t asked_for_noise = 48; // places of which it is asked whether there is any noise
 
@@ -277,7 +277,7 @@ std::vector<LocalNoise> without_halves_of_layers(const Points& seeds, const Neig
                 kurtosis += sheets->kurtosis;
                 between += sheets->between;
             }
-        if (with_sheets > fewest_with_sheets && kurtosis < most_kurtosis_of_layer * with_sheets &&
+        if (with_sheets >= fewest_with_sheets && kurtosis < most_kurtosis_of_layer * with_sheets &&
             between > least_between_in_layer * with_sheets)
             result[i].sheets.reset();
     };

@@ -25,8 +25,9 @@ double quantile_of(double* values, int count, double share);
 double middle_of(double* values, int count);
 
 /// Medians of what the seeds around each saw. Noise is at most somewhat more than that of the region but in noisy
-/// patches, where noisy seeds speak for noisy ones. \param scale of the unit frame. \param samples the cloud.
+/// patches, where noisy seeds speak for noisy ones. \param told by each seed alone. \param scale of the unit frame.
+/// \param samples the cloud.
 PooledNoise pool_noise(const Points& samples, const BlockSearch& sample_search, const Points& seeds,
-                       const std::vector<LocalNoise>& raw, double scale, int threads);
+                       const std::vector<LocalNoise>& told, double scale, int threads);
 
 } // namespace recon
