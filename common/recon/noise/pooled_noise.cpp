@@ -149,17 +149,16 @@ public:
         std::vector<char> meets; ///< Whether noises meet there.
     };
 
-    /// Keeps references to both.
-    SeedPool(const Points& seeds, const std::vector<LocalNoise>& raw)
-        : seeds_(seeds), raw_(raw), settled_(list_settled(raw)), region_(list_region(settled_)),
-          settled_seeds_(points_at(settled_, seeds)), region_seeds_(points_at(region_, seeds)), seed_search_(seeds),
-          settled_search_(settled_seeds_), region_search_(region_seeds_),
+    /// Keeps references to all.
+    SeedPool(const Points& seeds, const NeighbourSearch& seed_search, const std::vector<LocalNoise>& raw)
+        : seeds_(seeds), seed_search_(seed_search), raw_(raw), settled_(list_settled(raw)),
+          region_(list_region(settled_)), settled_seeds_(points_at(settled_, seeds)),
+          region_seeds_(points_at(region_, seeds)), settled_search_(settled_seeds_), region_search_(region_seeds_),
           region_count_(std::max(smoothing_seeds, int(region_share * double(region_.size()))))
     {
     }
 
     const std::vector<int>& settled() const { return settled_; }
-    const NeighbourSearch& seed_search() const { return seed_search_; }
 
     /// \param may_meet whether there is noise.
     Around look(bool may_meet, int threads) const
@@ -248,10 +247,11 @@ private:
     }
 
     const Points& seeds_;
+    const NeighbourSearch& seed_search_;
     const std::vector<LocalNoise>& raw_;
     std::vector<int> settled_, region_; // seeds
     Points settled_seeds_, region_seeds_;
-    NeighbourSearch seed_search_, settled_search_, region_search_;
+    NeighbourSearch settled_search_, region_search_;
     int region_count_;
 };
 
@@ -309,8 +309,9 @@ void take_noise_of_sheets(const Points& seeds, const NeighbourSearch& search, co
 PooledNoise pool_noise(const Points& samples, const BlockSearch& sample_search, const Points& seeds,
                        const std::vector<LocalNoise>& told, double scale, int threads)
 {
-    const std::vector<LocalNoise> raw = without_halves_of_layers(seeds, NeighbourSearch(seeds), told, threads);
-    const SeedPool seed_pool(seeds, raw);
+    const NeighbourSearch seed_search(seeds);
+    const std::vector<LocalNoise> raw = without_halves_of_layers(seeds, seed_search, told, threads);
+    const SeedPool seed_pool(seeds, seed_search, raw);
     SeedPool::Around around = seed_pool.look(true, threads);
     // Asked last, since it takes triangulations, and in most clouds no noises meet.
     if (std::find(around.meets.begin(), around.meets.end(), 1) != around.meets.end() &&
@@ -325,7 +326,7 @@ PooledNoise pool_noise(const Points& samples, const BlockSearch& sample_search, 
         sigma = noise_truncation * scale * (noisy_patch[i] ? sigma : std::min(sigma, around.limit[i]));
         result.density[i] /= scale * scale;
     }
-    take_noise_of_sheets(seeds, seed_pool.seed_search(), raw, scale, threads, result.sigma);
+    take_noise_of_sheets(seeds, seed_search, raw, scale, threads, result.sigma);
     return result;
 }
 

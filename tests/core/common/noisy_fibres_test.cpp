@@ -99,6 +99,14 @@ TEST(NoisyFibres, AreNoneWhereNoiseGoesAnywhereOrThereIsNone)
         EXPECT_FALSE(has_fibres(shapes::with_noisy_copies(torus, sigma, 4, 6))) << sigma;
 }
 
+TEST(NoisyFibres, AreNoneIfFewPlacesSeeThem)
+{
+    Points points = moved_along_normals(4, 0.01, 3);
+    for (const Point& p : shapes::torus(3 * int(points.size()), 3, 1, 5).points)
+        points.push_back(p + Vector(20, 0, 0));
+    EXPECT_FALSE(has_fibres(points));
+}
+
 TEST(NoisyFibres, AreNoRowsInOneSurface)
 {
     shapes::Random random(13);
