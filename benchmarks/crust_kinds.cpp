@@ -75,6 +75,12 @@ public:
                 points.push_back(samples.points[i] + draw() * samples.normals[i].normalized());
         return points;
     }
+    /// Noise of 0.02 and 0.3 % by turns, in stripes across an axis of a width in per cent.
+    Points with_noisy_stripes(double width)
+    {
+        return with_noise(surface(), [&](const Point& p)
+                          { return std::fmod(std::abs(p.y()) / length(width), 2) < 1 ? 0.02 : 0.3; });
+    }
     double gaussian() { return std::normal_distribution<double>()(random_); }
     int count() const { return n_; }
     /// A direction and, times it, a length drawn by `draw`.
@@ -244,6 +250,10 @@ const std::vector<Kind> kinds = {
              direction = Vector::UnitZ();
          return Cloud::moved_along(samples, 5, [&] { return c.length(0.3) * c.gaussian(); });
      }},
+    {"0.3 %, one in five",
+     [](Cloud& c) { return c.with_noise(c.surface(), [&](const Point&) { return c.uniform() < 0.2 ? 0.3 : 0; }); }},
+    {"stripes of 1 %, 0.02 and 0.3 %", [](Cloud& c) { return c.with_noisy_stripes(1); }},
+    {"stripes of 2 %, 0.02 and 0.3 %", [](Cloud& c) { return c.with_noisy_stripes(2); }},
 };
 
 } // namespace

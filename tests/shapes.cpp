@@ -449,13 +449,25 @@ double rms(const Points& points, const std::function<double(const Point&)>& dist
     return std::sqrt(squares / double(points.size()));
 }
 
-Points with_noise_beyond(double x, const Points& points, double sigma, std::uint64_t seed)
+Points with_noise_where(const std::function<bool(const Point&)>& is_noisy, const Points& points, double sigma,
+                        std::uint64_t seed)
 {
     Points result = with_noise(points, sigma, seed);
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (points[i].x() <= x)
+        if (!is_noisy(points[i]))
             result[i] = points[i];
     return result;
+}
+
+Points with_noise_beyond(double x, const Points& points, double sigma, std::uint64_t seed)
+{
+    return with_noise_where([&](const Point& p) { return p.x() > x; }, points, sigma, seed);
+}
+
+Points with_noisy_share(double share, const Points& points, double sigma, std::uint64_t seed)
+{
+    Random random(seed + 1);
+    return with_noise_where([&](const Point&) { return uniform(random) < share; }, points, sigma, seed);
 }
 
 Points noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)

@@ -131,6 +131,11 @@ double rms(const recon::Points& points, const std::function<double(const recon::
 
 /// Each point moved by isotropic Gaussian noise of standard deviation `sigma` per coordinate.
 recon::Points with_noise(const recon::Points& points, double sigma, std::uint64_t seed);
+/// The same of those points only for which it is asked, in turn.
+recon::Points with_noise_where(const std::function<bool(const recon::Point&)>& is_noisy, const recon::Points& points,
+                               double sigma, std::uint64_t seed);
+/// The same of such a share of the points, anywhere among the others.
+recon::Points with_noisy_share(double share, const recon::Points& points, double sigma, std::uint64_t seed);
 /// The same of those points only whose x is larger than `x`.
 recon::Points with_noise_beyond(double x, const recon::Points& points, double sigma, std::uint64_t seed);
 /// So many noisy ones of each, of the seeds `seed`, `seed` + 1 and so on.

@@ -4,6 +4,7 @@
 #include <recon/noise/noisy_fibres.h>
 #include <recon/noise/noisy_lines.h>
 #include <recon/noise/sheet_stack.h>
+#include <recon/noise/stray_samples.h>
 #include <recon/parallel.h>
 #include <recon/search/block_search.h>
 #include <recon/triangulation/delaunay.h>
@@ -54,7 +55,8 @@ struct Place
     bool is_clean = false, is_stacked = false;
     double flat = 0, whiteness = 0, roughness = 0, noise = 0, spacing = 0;
 
-    bool is_noisy() const { return !is_clean && flat < 0.5 && whiteness > 0.5 && roughness > 0.1; }
+    bool is_uneven() const { return !is_clean && flat < 0.5 && roughness > 0.1; }
+    bool is_noisy() const { return is_uneven() && whiteness > 0.5; }
 };
 
 /// \param with_cells or else `is_clean` and `flat` stay 0: a triangulation takes ten times as long as all else.
@@ -169,7 +171,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     parallel_for(count, threads, {}, examine, 8);
     Cleanness result;
     result.has_noisy_lines = has_noisy_lines(samples, search, threads) || has_noisy_fibres(samples, search, threads);
-    std::vector<double> whiteness, roughness, noise, spacing;
+    std::vector<double> whiteness, uneven_whiteness, roughness, noise, spacing;
     std::vector<std::size_t> noisy;
     const double cells = double((count + 1) / 2); // are known of every second place
     for (std::size_t k = 0; k < count; ++k)
@@ -184,6 +186,11 @@ Cleanness measure_cleanness(const Points& samples, int threads)
             continue;
         result.long_cells += place.is_clean / cells;
         result.flat_neighbours += place.flat / cells;
+        if (place.is_uneven())
+        {
+            uneven_whiteness.push_back(place.whiteness);
+            result.white_places += (place.whiteness > 0.7) / cells;
+        }
         if (place.is_noisy())
             noisy.push_back(k);
     }
@@ -196,12 +203,17 @@ Cleanness measure_cleanness(const Points& samples, int threads)
         parallel_for(noisy.size(), threads, {}, look_around, 1);
         result.noisy_part = std::accumulate(parts.begin(), parts.end(), 0.0) / cells;
     }
+    result.uneven_whiteness = quantile(std::move(uneven_whiteness), 0.5);
     result.whiteness = quantile(std::move(whiteness), 0.25);
     result.roughness = quantile(roughness, 0.5);
     result.lower_roughness = quantile(roughness, 0.25);
     result.least_roughness = quantile(std::move(roughness), 0.1);
     result.noise = quantile(std::move(noise), 0.5);
     result.spacing = quantile(std::move(spacing), 0.5);
+    if (n < Cleanness::fewest_for_mixed)
+        result.white_places = 0;
+    else if (result.is_clean() && !result.is_noisy_in_parts() && result.stacked < Cleanness::few_stacked)
+        result.strays = measure_strays(samples, search, threads);
     return result;
 }
 

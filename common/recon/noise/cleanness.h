@@ -4,6 +4,7 @@
 #include <recon/search/block_search.h>
 
 #include <algorithm>
+#include <cstddef>
 
 namespace recon
 {
@@ -38,8 +39,19 @@ struct Cleanness
     /// former share; of 2,700 clean clouds up to 0.0037, on thin walls 0.006, a tenth of that share, on coarse models
     /// 0.012, 0.35 times the lower roughness.
     double noisy_part = 0;
+    /// Of the rough places with cells that are not long and hardly a flat neighbour the median whiteness, and the share
+    /// of samples where it exceeds 0.7; the latter 0 of few samples, as vertices of parts. Where noise comes and goes
+    /// within few spacings neighbourhoods are a mix of both, and only these tell: 0.77 to 1.03 and 0.145 to 0.24 on
+    /// stripes of noise as wide as 4 spacings or less, or of a noisy third; of 2,580 clean clouds those without stacks,
+    /// 0.12 and more of the latter, and nothing else that speaks for noise have 0.68 at most.
+    double uneven_whiteness = 0, white_places = 0;
+    static constexpr std::size_t fewest_for_mixed = 2'000; ///< Fewer are few [count].
     /// Share of samples with other sheets beside their own, see sheet_stack.h: 0.3 to 0.95 where thin walls are many.
     double stacked = 0;
+    /// Share of single noisy samples among exact ones, see stray_samples.h. Only known of clouds that look clean
+    /// otherwise, have no stacks and are not few; else 0.
+    double strays = 0;
+    static constexpr double few_stacked = 0.1; ///< Of `stacked`: less is no stack.
     /// Samples lie on noisy lines or fibres, see noisy_lines.h and noisy_fibres.h: what is near looks clean there.
     bool has_noisy_lines = false;
     /// Median distance to the quadric of the 12 nearest [length]: the noise, unless curvature hides it.
@@ -65,12 +77,15 @@ struct Cleanness
     {
         return share() > 0.6 && !is_smooth_but_noisy() && flat_neighbours < 0.75 && least_roughness > 0.11;
     }
-    /// Whether some of it at least is noisy, the rest clean or less so: scans of several qualities merged, or
-    /// lines that look clean each alone. Coarse clouds look noisy in places, too, but nowhere smooth, or not side by
-    /// side.
+    /// Whether some of it at least is noisy, the rest clean or less so: scans of several qualities merged, side by side
+    /// or one over the other, or lines that look clean each alone. Coarse clouds look noisy in places, too, but nowhere
+    /// smooth, or not side by side.
     bool is_noisy_in_parts() const
     {
-        return has_noisy_lines || (noisy_places > many_noisy && (lower_roughness < 0.05 || whiteness > 0.5)) ||
+        const bool is_mixed =
+            strays > 0.0085 || (white_places > 0.13 && uneven_whiteness > 0.72 && stacked < few_stacked);
+        return has_noisy_lines || is_mixed ||
+               (noisy_places > many_noisy && (lower_roughness < 0.05 || whiteness > 0.5)) ||
                noisy_part > std::max({0.004, 0.375 * lower_roughness, 0.12 * noisy_places});
     }
 };

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 using namespace recon;
 
@@ -113,6 +114,34 @@ TEST(Cleanness, NoiseInOnePartIsToldFromACloudThatIsCoarseAllOver)
         EXPECT_FALSE(measure_cleanness(in_order(shapes::box(n, {3, 2, 1}, 3).points), 1).is_noisy_in_parts()) << n;
 }
 
+TEST(Cleanness, NoiseThatComesAndGoesIsToldFromACloudThatIsCoarseAllOver)
+{
+    const Points torus = shapes::torus(20'000, 1, 0.3, 3).points;
+    const double spacing = torus_spacing(torus);
+    const auto expect_noisy = [](const Points& points, const std::string& what)
+    {
+        const Cleanness mixed = measure_cleanness(in_order(points), 1);
+        EXPECT_TRUE(mixed.is_noisy_in_parts())
+            << what << ' ' << mixed.strays << ' ' << mixed.white_places << ' ' << mixed.uneven_whiteness;
+    };
+    for (const double width : {3.0, 6.0}) // [spacings]
+    {
+        const auto is_in_stripe = [&](const Point& p) { return std::fmod(p.y() / (width * spacing) + 1e3, 2) < 1; };
+        for (const double noise : {0.5, 1.0})
+            expect_noisy(shapes::with_noise_where(is_in_stripe, shapes::with_noise(torus, 0.08 * spacing, 4),
+                                                  noise * spacing, 5),
+                         "stripes of " + std::to_string(width) + " spacings, noise " + std::to_string(noise));
+    }
+    for (const double share : {0.1, 0.3})
+        for (const double noise : {0.4, 0.8, 2.0})
+            expect_noisy(shapes::with_noisy_share(share, torus, noise * spacing, 5),
+                         "a share of " + std::to_string(share) + ", noise " + std::to_string(noise));
+    const Points few = shapes::torus(1'000, 1, 0.3, 3).points;
+    const Cleanness of_few =
+        measure_cleanness(in_order(shapes::with_noisy_share(0.3, few, 0.8 * torus_spacing(few), 5)), 1);
+    EXPECT_EQ(of_few.white_places + of_few.strays, 0) << "they may be vertices of a part";
+}
+
 TEST(Cleanness, OfNoPointsIsNone)
 {
     const Cleanness none = measure_cleanness({}, 1);
@@ -131,6 +160,7 @@ TEST(Cleanness, IsTheSameForAnyNumberOfThreads)
     EXPECT_EQ(one.roughness, many.roughness);
     EXPECT_EQ(one.noisy_places, many.noisy_places);
     EXPECT_EQ(one.noisy_part, many.noisy_part);
+    EXPECT_EQ(one.white_places, many.white_places);
 }
 
 TEST(Cleanness, NeighboursUpTo17DegreesBelowThePlaneAreFlat)

@@ -56,6 +56,22 @@ TEST(PrepareSamples, ACloudThatIsNoisyInPartsIsDenoised)
     EXPECT_LT(std::sqrt(squares[0] / count[0]), 0.1 * noise) << "the clean half";
 }
 
+// As of two scanners of different quality. Crusts of the points as they are passed by all noisy ones.
+TEST(PrepareSamples, ACloudOfWhichSomePointsAreNoisyIsDenoised)
+{
+    const Points torus = shapes::torus(20'000, 1, 0.3, 3).points;
+    const double noise = 0.7 * std::sqrt(4 * EIGEN_PI * EIGEN_PI * 0.3 / double(torus.size()));
+    for (const double share : {0.1, 0.3})
+    {
+        const PreparedSamples cloud = prepare(shapes::with_noisy_share(share, torus, noise, 5));
+        EXPECT_TRUE(cloud.denoised) << share;
+        Points left = cloud.samples;
+        cloud.frame.from_unit_in_place(left);
+        const auto distance = [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.3); };
+        EXPECT_LT(shapes::rms(left, distance), 0.4 * std::sqrt(share) * noise) << share;
+    }
+}
+
 TEST(PrepareSamples, NoiseThatIsGivenIsRemovedWhetherItShowsOrNot)
 {
     const Points torus = shapes::torus(4'000, 1, 0.3, 3).points;
