@@ -211,7 +211,7 @@ Cleanness measure_cleanness(const Points& samples, int threads)
     result.noise = quantile(std::move(noise), 0.5);
     result.spacing = quantile(std::move(spacing), 0.5);
     if (n < Cleanness::fewest_for_mixed)
-        result.white_places = 0;
+        result.uneven_whiteness = 0;
     else if (result.is_clean() && !result.is_noisy_in_parts() && result.stacked < Cleanness::few_stacked)
         result.strays = measure_strays(samples, search, threads);
     return result;

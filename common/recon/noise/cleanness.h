@@ -39,11 +39,13 @@ struct Cleanness
     /// former share; of 2,700 clean clouds up to 0.0037, on thin walls 0.006, a tenth of that share, on coarse models
     /// 0.012, 0.35 times the lower roughness.
     double noisy_part = 0;
-    /// Of the rough places with cells that are not long and hardly a flat neighbour the median whiteness, and the share
-    /// of samples where it exceeds 0.7; the latter 0 of few samples, as vertices of parts. Where noise comes and goes
-    /// within few spacings neighbourhoods are a mix of both, and only these tell: 0.77 to 1.03 and 0.145 to 0.24 on
-    /// stripes of noise as wide as 4 spacings or less, or of a noisy third; of 2,580 clean clouds those without stacks,
-    /// 0.12 and more of the latter, and nothing else that speaks for noise have 0.68 at most.
+    /// Of the rough places with cells that are not long and hardly a flat neighbour the median whiteness (0 of few
+    /// samples, as vertices of parts), and the share of samples where it exceeds 0.7. Where noise comes and goes within
+    /// few spacings neighbourhoods are a mix of both, and only these tell: 0.77 to 1.03 and 0.145 to 0.24 on stripes of
+    /// noise as wide as 4 spacings or less, or of a noisy third; 0.74 to 1.09 and 0.035 to 0.12 on spots of 7 and 11
+    /// spacings, a tenth and a fifth of the surface, beside noise of 0.07. Of 2,580 clean clouds, those without stacks
+    /// of which nothing else says that they are noisy: with 0.12 and more of the latter 0.68 at most; with 0.7 and more
+    /// of the former 0.115 at most (a femur), others 0.07, and a noisy part of up to 0.0044.
     double uneven_whiteness = 0, white_places = 0;
     static constexpr std::size_t fewest_for_mixed = 2'000; ///< Fewer are few [count].
     /// Share of samples with other sheets beside their own, see sheet_stack.h: 0.3 to 0.95 where thin walls are many.
@@ -77,14 +79,23 @@ struct Cleanness
     {
         return share() > 0.6 && !is_smooth_but_noisy() && flat_neighbours < 0.75 && least_roughness > 0.11;
     }
+    /// Whether noise comes and goes: in single samples and in stripes or spots, where what tells of either adds up, or
+    /// in some larger spots. Clean clouds have 0.94 of the sum at most (a femur; others 0.82). Nearly exact ones have
+    /// fewer white places than coarse ones.
+    bool has_mixed_noise() const
+    {
+        constexpr double enough_strays = 0.0085, enough_part = 0.0048, least_whiteness = 0.73;
+        const double enough_places = lower_roughness < 0.09 ? 0.09 : 0.13;
+        if (uneven_whiteness < least_whiteness || stacked >= few_stacked)
+            return strays > enough_strays;
+        return strays / enough_strays + white_places / enough_places > 1 || noisy_part > enough_part;
+    }
     /// Whether some of it at least is noisy, the rest clean or less so: scans of several qualities merged, side by side
     /// or one over the other, or lines that look clean each alone. Coarse clouds look noisy in places, too, but nowhere
     /// smooth, or not side by side.
     bool is_noisy_in_parts() const
     {
-        const bool is_mixed =
-            strays > 0.0085 || (white_places > 0.13 && uneven_whiteness > 0.72 && stacked < few_stacked);
-        return has_noisy_lines || is_mixed ||
+        return has_noisy_lines || has_mixed_noise() ||
                (noisy_places > many_noisy && (lower_roughness < 0.05 || whiteness > 0.5)) ||
                noisy_part > std::max({0.004, 0.375 * lower_roughness, 0.12 * noisy_places});
     }

@@ -1,5 +1,6 @@
 #include <recon/labelling/ball_scale.h>
 #include <recon/noise/cleanness.h>
+#include <recon/scramble.h>
 #include <recon/search/spatial_order.h>
 #include <recon/triangulation/delaunay.h>
 
@@ -8,7 +9,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 using namespace recon;
 
@@ -121,16 +124,31 @@ TEST(Cleanness, NoiseThatComesAndGoesIsToldFromACloudThatIsCoarseAllOver)
     const auto expect_noisy = [](const Points& points, const std::string& what)
     {
         const Cleanness mixed = measure_cleanness(in_order(points), 1);
-        EXPECT_TRUE(mixed.is_noisy_in_parts())
-            << what << ' ' << mixed.strays << ' ' << mixed.white_places << ' ' << mixed.uneven_whiteness;
+        EXPECT_TRUE(mixed.is_noisy_in_parts()) << what << ' ' << mixed.strays << ' ' << mixed.white_places << ' '
+                                               << mixed.uneven_whiteness << ' ' << mixed.noisy_part;
     };
+    const Points nearly_exact = shapes::with_noise(torus, 0.07 * spacing, 4);
     for (const double width : {3.0, 6.0}) // [spacings]
     {
         const auto is_in_stripe = [&](const Point& p) { return std::fmod(p.y() / (width * spacing) + 1e3, 2) < 1; };
         for (const double noise : {0.5, 1.0})
-            expect_noisy(shapes::with_noise_where(is_in_stripe, shapes::with_noise(torus, 0.08 * spacing, 4),
-                                                  noise * spacing, 5),
+            expect_noisy(shapes::with_noise_where(is_in_stripe, nearly_exact, noise * spacing, 5),
                          "stripes of " + std::to_string(width) + " spacings, noise " + std::to_string(noise));
+    }
+    struct Spots
+    {
+        double width; // [spacings]
+        unsigned of;  // of so many one is noisy
+    };
+    for (const Spots& spots : std::vector<Spots>{{4, 5}, {4, 10}, {6, 5}, {6, 10}, {10, 10}})
+    {
+        const auto is_in_spot = [&](const Point& p)
+        {
+            const Vector cell = (p / (spots.width * spacing)).array().floor() + 100;
+            return scramble(std::uint64_t(cell.x() + 200 * cell.y() + 40'000 * cell.z())) % spots.of == 0;
+        };
+        expect_noisy(shapes::with_noise_where(is_in_spot, nearly_exact, spacing, 5),
+                     "spots of " + std::to_string(spots.width) + " spacings, one in " + std::to_string(spots.of));
     }
     for (const double share : {0.1, 0.3})
         for (const double noise : {0.4, 0.8, 2.0})
@@ -139,7 +157,28 @@ TEST(Cleanness, NoiseThatComesAndGoesIsToldFromACloudThatIsCoarseAllOver)
     const Points few = shapes::torus(1'000, 1, 0.3, 3).points;
     const Cleanness of_few =
         measure_cleanness(in_order(shapes::with_noisy_share(0.3, few, 0.8 * torus_spacing(few), 5)), 1);
-    EXPECT_EQ(of_few.white_places + of_few.strays, 0) << "they may be vertices of a part";
+    EXPECT_EQ(of_few.uneven_whiteness + of_few.strays, 0) << "they may be vertices of a part";
+}
+
+TEST(Cleanness, SignsOfNoiseThatComesAndGoesAddUpButWhereTheyAreOfOtherThings)
+{
+    Cleanness found;
+    found.uneven_whiteness = 0.9;
+    found.white_places = 0.05;
+    found.strays = 0.005;
+    EXPECT_TRUE(found.is_noisy_in_parts());
+    for (double Cleanness::*const sign : {&Cleanness::white_places, &Cleanness::strays, &Cleanness::uneven_whiteness})
+    {
+        Cleanness without = found;
+        without.*sign = 0;
+        EXPECT_FALSE(without.is_noisy_in_parts());
+    }
+    found.strays = 0;
+    found.lower_roughness = 0.02; // a part may be a coarse one if all is coarser than that
+    found.noisy_part = 0.006;
+    EXPECT_TRUE(found.is_noisy_in_parts());
+    found.stacked = 0.3; // fins
+    EXPECT_FALSE(found.is_noisy_in_parts());
 }
 
 TEST(Cleanness, OfNoPointsIsNone)
