@@ -17,13 +17,6 @@ using recon::Vector;
 
 constexpr double pi = 3.14159265358979323846;
 
-double gaussian(Random& random)
-{
-    // Box-Muller, since std::normal_distribution differs between standard libraries.
-    const double first = uniform(random), second = uniform(random);
-    return std::sqrt(-2 * std::log(1 - first)) * std::cos(2 * pi * second);
-}
-
 Vector direction(Random& random)
 {
     const double z = 2 * uniform(random) - 1, angle = 2 * pi * uniform(random), r = std::sqrt(1 - z * z);
@@ -220,16 +213,6 @@ double distance_to_box(const Point& p, const Vector& sides)
 double distance_to_capsule(const Point& p, double radius, double half_length)
 {
     return std::abs((p - Point(0, 0, std::clamp(p.z(), -half_length, half_length))).norm() - radius);
-}
-
-Points with_noise(const Points& points, double sigma, std::uint64_t seed)
-{
-    Random random(seed);
-    Points result = points;
-    for (Point& p : result)
-        for (int k = 0; k < 3; ++k)
-            p[k] += sigma * gaussian(random);
-    return result;
 }
 
 void PoissonDisks::fill(const std::function<Point()>& draw, int tries, Points& points)
@@ -447,65 +430,6 @@ double rms(const Points& points, const std::function<double(const Point&)>& dist
     for (const Point& p : points)
         squares += distance(p) * distance(p);
     return std::sqrt(squares / double(points.size()));
-}
-
-Points with_noise_where(const std::function<bool(const Point&)>& is_noisy, const Points& points, double sigma,
-                        std::uint64_t seed)
-{
-    Points result = with_noise(points, sigma, seed);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (!is_noisy(points[i]))
-            result[i] = points[i];
-    return result;
-}
-
-Points with_noise_beyond(double x, const Points& points, double sigma, std::uint64_t seed)
-{
-    return with_noise_where([&](const Point& p) { return p.x() > x; }, points, sigma, seed);
-}
-
-Points with_noisy_share(double share, const Points& points, double sigma, std::uint64_t seed)
-{
-    Random random(seed + 1);
-    return with_noise_where([&](const Point&) { return uniform(random) < share; }, points, sigma, seed);
-}
-
-Points noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)
-{
-    Points result;
-    for (int copy = 0; copy < copies; ++copy)
-        for (const Point& p : with_noise(points, sigma, seed + std::uint64_t(copy)))
-            result.push_back(p);
-    return result;
-}
-
-Points with_noisy_copies(const Points& points, double sigma, int copies, std::uint64_t seed)
-{
-    Random random(seed);
-    Points result = points;
-    result.reserve(points.size() * std::size_t(copies + 1));
-    for (const Point& p : points)
-        for (int c = 0; c < copies; ++c)
-        {
-            Point q = p;
-            for (int k = 0; k < 3; ++k)
-                q[k] += sigma * gaussian(random);
-            result.push_back(q);
-        }
-    return result;
-}
-
-OrientedSamples copies_along_normals(const OrientedSamples& samples, double sigma, int copies, std::uint64_t seed)
-{
-    Random random(seed);
-    OrientedSamples result;
-    for (std::size_t i = 0; i < samples.points.size(); ++i)
-        for (int k = 0; k < copies; ++k)
-        {
-            result.points.push_back(samples.points[i] + sigma * gaussian(random) * samples.normals[i]);
-            result.normals.push_back(samples.normals[i]);
-        }
-    return result;
 }
 
 } // namespace shapes
