@@ -26,7 +26,6 @@ constexpr double rung = 1.27;            // ratio of widths; 1.6 times the point
 constexpr double fewest_points = 16;     // effective points at the narrowest width
 constexpr double narrowest_sigmas = 1.5; // below it the neighbourhood is thicker than wide
 constexpr double quadric_cut = 2.6;      // widths
-constexpr double least_clearance = 1.5;  // narrowest widths to what faces elsewhere, where that does not count
 constexpr double largest_step = 5;       // sigmas by which two heights differ at most
 constexpr int pooled_seeds = 25;
 constexpr double global_share = 0.3; // weight of the mean over all seeds alike beside the pooled ones
@@ -104,7 +103,7 @@ class RiskEstimator
 {
 public:
     /// \param samples with sides, or without weights and normals.
-    explicit RiskEstimator(const FitSamples& samples) : samples_(samples) {}
+    RiskEstimator(const FitSamples& samples, double clearance) : samples_(samples), clearance_(clearance) {}
 
     /// \param facing normal at the seed; not used if the samples have no sides.
     Risks estimate(const Point& seed, const Vector& facing, double sigma, double narrowest)
@@ -167,7 +166,7 @@ private:
     {
         const auto is_other = [&](int i)
         { return samples_.weights[i] == 0 || samples_.normals[i].dot(facing) <= facing_cosine; };
-        const double reach = least_clearance * narrowest;
+        const double reach = clearance_ * narrowest;
         const auto is_near_other = [&](int i)
         { return (samples_.points[i] - seed).squaredNorm() < reach * reach && is_other(i); };
         if (std::none_of(found_.begin(), found_.end(), is_near_other))
@@ -234,6 +233,7 @@ private:
     }
 
     const FitSamples& samples_;
+    double clearance_;
     std::vector<int> found_;
     Gathered gathered_;
     std::vector<double> u_, v_, z_, l_, l0_;
@@ -258,8 +258,8 @@ double find_minimum(const Risks& risks)
 }
 
 /// \param facing normals, one per seed; empty if the samples have no sides.
-LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, const NoiseEstimate& noise, int threads,
-                              const Progress& progress)
+LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, const NoiseEstimate& noise,
+                              double clearance, int threads, const Progress& progress)
 {
     const int m = noise.size();
     LocalScales result{noise, std::vector<LocalScale>(m), 0};
@@ -288,7 +288,7 @@ LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, 
     parallel_chunks(asked.size(), threads, 16, progress,
                     [&](std::size_t begin, std::size_t end)
                     {
-                        RiskEstimator estimator(samples);
+                        RiskEstimator estimator(samples, clearance);
                         for (std::size_t i = begin; i < end; ++i)
                         {
                             const int s = asked_index[i];
@@ -346,13 +346,13 @@ LocalScales choose_least_risk(const FitSamples& samples, const Vectors& facing, 
 LocalScales choose_widths(const Points& points, const BlockSearch& search, const NoiseEstimate& noise, int threads,
                           const Progress& progress)
 {
-    return choose_least_risk({points, search, {}, {}}, {}, noise, threads, progress);
+    return choose_least_risk({points, search, {}, {}}, {}, noise, 0, threads, progress);
 }
 
 LocalScales choose_fit_widths(const FitSamples& samples, const Vectors& normals, const NoiseEstimate& noise,
-                              int threads, const Progress& progress)
+                              double clearance, int threads, const Progress& progress)
 {
-    return choose_least_risk(samples, normals, noise, threads, progress);
+    return choose_least_risk(samples, normals, noise, clearance, threads, progress);
 }
 
 } // namespace recon

@@ -39,8 +39,9 @@ LocalScales choose_widths(const Points& points, const BlockSearch& search, const
                           const Progress& progress = {});
 
 /// The same once sides are known, of the samples that count in a fit: else the wall behind, and the face across an
-/// edge, pass for bends, which keeps widths narrow. \param normals outward, one per seed.
+/// edge, pass for bends, which keeps widths narrow. \param normals outward, one per seed. \param clearance distance of
+/// what faces elsewhere below which it counts all the same [narrowest widths]: bores so small show no bend else.
 LocalScales choose_fit_widths(const FitSamples& samples, const Vectors& normals, const NoiseEstimate& noise,
-                              int threads, const Progress& progress = {});
+                              double clearance, int threads, const Progress& progress = {});
 
 } // namespace recon

@@ -36,6 +36,12 @@ constexpr double fine_spacing = 0.5; // widths: how far a cell without landmark 
 /// Least noise [spacings] from which widths are chosen again. What clean clouds read as noise, up to 0.086 but for the
 /// coarsest, is shape, which wider fits would round; noise of 0.1 % of coarse models is 0.123 and more.
 constexpr double noisy = 0.1;
+/// For choose_fit_widths(): with the first, bores of three spacings stay open in a crust; with the second, projected
+/// points err less on sharp models.
+constexpr double clearance_for_crust = 1.5, clearance = 0.35;
+/// By how much the width of a fit grows at most where the window holds fewer points than its width was chosen for: in
+/// sparse places, at rims, and along edges, beyond which none count.
+constexpr double most_growth = 1.3;
 constexpr double narrowest_spacings = 1.2; // a width by rho_e below it would find no neighbours
 constexpr int reported_sizes = 2000;       // places of which the median rho_e is told
 constexpr double widest = 0.25;            // diagonals
@@ -185,8 +191,8 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
 }
 
 /// Gives the cells of a noisy cloud the widths that fits bear, which leave out what faces elsewhere.
-void follow_fit_widths(AmlsSurface::Data& data, const FitSamples& samples, const NoiseEstimate& noise, int threads,
-                       const Progress& progress)
+void follow_fit_widths(AmlsSurface::Data& data, const FitSamples& samples, const NoiseEstimate& noise, bool for_crust,
+                       int threads, const Progress& progress)
 {
     Cells& cells = data.cells;
     if (noise.least_noise() < noisy)
@@ -194,7 +200,8 @@ void follow_fit_widths(AmlsSurface::Data& data, const FitSamples& samples, const
     const std::vector<int> cell_of_seed =
         find_nearest_samples(noise.seeds(), cells.means, data.cell_search, threads).sample;
     const Vectors facing = points_at(cell_of_seed, data.cell_normals.normals);
-    const LocalScales scales = choose_fit_widths(samples, facing, noise, threads, progress);
+    const LocalScales scales =
+        choose_fit_widths(samples, facing, noise, for_crust ? clearance_for_crust : clearance, threads, progress);
     for (int c = 0; c < cells.size(); ++c)
         if (cells.seeds[c] >= 0)
             cells.scales[c].width = scales.at_seed[cells.seeds[c]].width * data.cell_normals.widening[c];
@@ -207,15 +214,16 @@ struct AnchorStarts
     double median_rho_e = 0; ///< That their widths amount to.
 };
 
-/// \param rho_e 0 = widths stay what the cells say; else these follow.
+/// \param rho_e 0 = widths are what the cells say; else these follow. \param growth factor by which the width of a fit
+/// may exceed that of its cell.
 AnchorStarts choose_starts(AmlsSurface::Data& data, std::vector<int> anchors, const Points& poles, double rho_e,
-                           int threads)
+                           double growth, int threads)
 {
     Cells& cells = data.cells;
     const CellNormals& normals = data.cell_normals;
     std::vector<double> widths;
     for (const int c : anchors)
-        widths.push_back(cells.scales[c].width);
+        widths.push_back(cells.scales[c].width * std::clamp(1 / (normals.mass[c] * normals.widening[c]), 1.0, growth));
     // Without rho_e the feature size only serves the report.
     const std::size_t stride = rho_e > 0 ? 1 : std::max<std::size_t>(1, anchors.size() / reported_sizes);
     Points asked;
@@ -362,11 +370,14 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     if (options.rho_e == 0)
     {
         times.begin("width");
-        follow_fit_widths(*data, samples, noise, threads, progress.part(0.85, 0.87, "Width"));
+        follow_fit_widths(*data, samples, noise, options.for_crust, threads, progress.part(0.85, 0.87, "Width"));
     }
     times.begin("fit");
     progress.part(0.87, 0.95, "Fit").report(0);
-    const AnchorStarts anchors = choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, threads);
+    // Where sides are mixed, wider windows would mix them more, and in folds crusts get handles.
+    const bool may_grow = noise.least_noise() >= noisy && orientation.contradicted <= mixed_sides && !options.for_crust;
+    const AnchorStarts anchors =
+        choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, may_grow ? most_growth : 1, threads);
     const double robust_scale = choose_robust_scale(samples, anchors.starts, threads);
     data->anchors = fit_anchors(samples, anchors.starts, robust_scale, threads, progress.part(0.87, 0.95, "Fit"));
     for (const Anchor& anchor : data->anchors)

@@ -86,6 +86,58 @@ TEST(LocalScales, NoisyPartsAreAsWideBesideCleanOnes)
     EXPECT_NEAR(ratio(0.9), 1, 0.25); // a seventh; 0.59 if its rim is taken for cleaner
 }
 
+/// A noisy cloud whose sides are known.
+class CloudWithSides
+{
+public:
+    /// \param exact in spacings; the noise is 0.4 of them. \param side the true normal at a place.
+    template <class Side>
+    CloudWithSides(const Points& exact, const Side& side)
+    {
+        const Points unsorted = shapes::with_noise(exact, 0.4, 7);
+        for (const int i : order_spatially(unsorted).order)
+        {
+            points_.push_back(unsorted[i] / length);
+            normals_.push_back(side(exact[i]));
+        }
+        search_ = BlockSearch(points_);
+    }
+
+    /// Median width of the seeds with a place that counts [spacings].
+    template <class Counts>
+    double median_fit_width(double clearance, const Counts& counts) const
+    {
+        const NoiseEstimate noise = estimate_noise(points_, {});
+        Vectors facing;
+        for (const Point& seed : noise.seeds())
+            facing.push_back(normals_[search_.nearest(seed)]);
+        const FitSamples samples{points_, search_, std::vector<double>(points_.size(), 1), normals_};
+        return median_of(choose_fit_widths(samples, facing, noise, clearance, 1), counts);
+    }
+    double median_width() const
+    {
+        return median_of(choose_widths(points_, search_, estimate_noise(points_, {}), 1),
+                         [](const Point&) { return true; });
+    }
+
+private:
+    static constexpr double length = 60; // spacings to the unit
+
+    template <class Counts>
+    static double median_of(const LocalScales& scales, const Counts& counts)
+    {
+        std::vector<double> widths;
+        for (std::size_t i = 0; i < scales.at_seed.size(); ++i)
+            if (counts(Point(length * scales.seeds.seeds()[i])))
+                widths.push_back(length * scales.at_seed[i].width);
+        return median(widths);
+    }
+
+    Points points_;
+    Vectors normals_;
+    BlockSearch search_;
+};
+
 // Two sheets that face away from each other.
 TEST(LocalScales, TheOtherSideOfAWallIsNoBend)
 {
@@ -95,27 +147,28 @@ TEST(LocalScales, TheOtherSideOfAWallIsNoBend)
         for (int j = 0; j < 60; ++j)
             for (const double z : {0.0, apart})
                 exact.emplace_back(i, j, z);
-    const Points unsorted = shapes::with_noise(exact, 0.4, 7);
-    Points points;
-    Vectors normals;
-    for (const int i : order_spatially(unsorted).order)
+    const CloudWithSides wall(exact, [](const Point& p) { return Vector(0, 0, p.z() > 0 ? 1 : -1); });
+    EXPECT_GT(wall.median_fit_width(1.5, [](const Point&) { return true; }), 1.5 * wall.median_width());
+}
+
+// Nor is the face across an edge, but where it is so near that it counts.
+TEST(LocalScales, TheFaceAcrossAnEdgeIsNoBend)
+{
+    Points exact;
+    for (int i = 0; i < 60; ++i)
+        for (int j = 0; j < 60; ++j)
+        {
+            exact.emplace_back(i, j + 0.5, 0);
+            exact.emplace_back(i, 0, -j - 0.5);
+        }
+    const CloudWithSides edge(exact, [](const Point& p) { return p.y() > 0 ? Vector(0, 0, 1) : Vector(0, -1, 0); });
+    const auto depth = [](const Point& p) { return std::max(std::abs(p.y()), std::abs(p.z())); };
+    const auto near_by_far = [&](double clearance)
     {
-        points.push_back(unsorted[i] / 60);
-        normals.emplace_back(0, 0, exact[i].z() > 0 ? 1 : -1);
-    }
-    const BlockSearch search(points);
-    const FitSamples samples{points, search, std::vector<double>(points.size(), 1), normals};
-    const NoiseEstimate noise = estimate_noise(points, {});
-    Vectors facing;
-    for (const Point& seed : noise.seeds())
-        facing.push_back(normals[search.nearest(seed)]);
-    const auto median_width = [](const LocalScales& scales)
-    {
-        std::vector<double> widths;
-        for (const LocalScale& scale : scales.at_seed)
-            widths.push_back(scale.width);
-        return median(widths);
+        const auto is_near = [&](const Point& p) { return depth(p) < 5; };
+        const auto is_far = [&](const Point& p) { return depth(p) > 20 && depth(p) < 40; };
+        return edge.median_fit_width(clearance, is_near) / edge.median_fit_width(clearance, is_far);
     };
-    EXPECT_GT(median_width(choose_fit_widths(samples, facing, noise, 1)),
-              1.5 * median_width(choose_widths(points, search, noise, 1)));
+    EXPECT_GT(near_by_far(0.35), 0.65);
+    EXPECT_LT(near_by_far(1.5), 0.6);
 }
