@@ -12,10 +12,6 @@
 namespace recon
 {
 
-/// Share of what was known about sides that is contradicted where walls may be mixed up: 0.014 to 0.04 on walls of 1.3
-/// to 2 spacings.
-inline constexpr double mixed_sides = 0.012;
-
 /// Outward normals that know the sides of thin walls better than those of the cells do, which average both: of the
 /// crust through the points as they are. None where the ties between anchors hardly contradict each other, where the
 /// points are too noisy for such a crust, where it contradicts them or has filled the walls, or where both tell the

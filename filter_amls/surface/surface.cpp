@@ -374,8 +374,8 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
     }
     times.begin("fit");
     progress.part(0.87, 0.95, "Fit").report(0);
-    // Where sides are mixed, wider windows would mix them more, and in folds crusts get handles.
-    const bool may_grow = noise.least_noise() >= noisy && orientation.contradicted <= mixed_sides && !options.for_crust;
+    // In folds crusts get handles else.
+    const bool may_grow = noise.least_noise() >= noisy && !options.for_crust;
     const AnchorStarts anchors =
         choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, may_grow ? most_growth : 1, threads);
     const double robust_scale = choose_robust_scale(samples, anchors.starts, threads);
