@@ -101,8 +101,9 @@ std::optional<TrustedCrust> find_trusted_crust(const Points& points, const AmlsS
 }
 
 /// The surface's, and those of the crust where that knows better.
-OutwardNormals find_normals(const Points& points, const AmlsOptions& options, const Progress& progress)
+OutwardNormals find_normals(const Points& points, AmlsOptions options, const Progress& progress)
 {
+    options.for_labels = true;
     OutwardNormals result;
     AmlsProjection projected;
     const int threads = resolve_threads(options.threads);

@@ -38,7 +38,7 @@ constexpr double fine_spacing = 0.5; // widths: how far a cell without landmark 
 constexpr double noisy = 0.1;
 /// For choose_fit_widths(): with the first, bores of three spacings stay open in a crust; with the second, projected
 /// points err less on sharp models.
-constexpr double clearance_for_crust = 1.5, clearance = 0.35;
+constexpr double labels_clearance = 1.5, projection_clearance = 0.35;
 /// By how much the width of a fit grows at most where the window holds fewer points than its width was chosen for: in
 /// sparse places, at rims, and along edges, beyond which none count.
 constexpr double most_growth = 1.3;
@@ -191,7 +191,7 @@ Orientation orient(AmlsSurface::Data& data, const AnchorChoice& choice,
 }
 
 /// Gives the cells of a noisy cloud the widths that fits bear, which leave out what faces elsewhere.
-void follow_fit_widths(AmlsSurface::Data& data, const FitSamples& samples, const NoiseEstimate& noise, bool for_crust,
+void follow_fit_widths(AmlsSurface::Data& data, const FitSamples& samples, const NoiseEstimate& noise, double clearance,
                        int threads, const Progress& progress)
 {
     Cells& cells = data.cells;
@@ -200,8 +200,7 @@ void follow_fit_widths(AmlsSurface::Data& data, const FitSamples& samples, const
     const std::vector<int> cell_of_seed =
         find_nearest_samples(noise.seeds(), cells.means, data.cell_search, threads).sample;
     const Vectors facing = points_at(cell_of_seed, data.cell_normals.normals);
-    const LocalScales scales =
-        choose_fit_widths(samples, facing, noise, for_crust ? clearance_for_crust : clearance, threads, progress);
+    const LocalScales scales = choose_fit_widths(samples, facing, noise, clearance, threads, progress);
     for (int c = 0; c < cells.size(); ++c)
         if (cells.seeds[c] >= 0)
             cells.scales[c].width = scales.at_seed[cells.seeds[c]].width * data.cell_normals.widening[c];
@@ -367,15 +366,17 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         orient(*data, choice, viewpoints, given_normals, threads, progress.part(0.35, 0.85));
 
     const FitSamples samples = list_fit_samples(*data, threads);
+    const bool tells_sides = options.for_crust || options.for_labels;
     if (options.rho_e == 0)
     {
         times.begin("width");
-        follow_fit_widths(*data, samples, noise, options.for_crust, threads, progress.part(0.85, 0.87, "Width"));
+        follow_fit_widths(*data, samples, noise, tells_sides ? labels_clearance : projection_clearance, threads,
+                          progress.part(0.85, 0.87, "Width"));
     }
     times.begin("fit");
     progress.part(0.87, 0.95, "Fit").report(0);
     // In folds crusts get handles else.
-    const bool may_grow = noise.least_noise() >= noisy && !options.for_crust;
+    const bool may_grow = noise.least_noise() >= noisy && !tells_sides;
     const AnchorStarts anchors =
         choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, may_grow ? most_growth : 1, threads);
     const double robust_scale = choose_robust_scale(samples, anchors.starts, threads);

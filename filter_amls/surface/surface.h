@@ -21,6 +21,9 @@ struct AmlsOptions
     /// way, see find_ground(). Residuals are told from the projection that samples take, without `sharp`; it is at hand
     /// afterwards, as the sharp one is else.
     bool for_crust = false;
+    /// A crust will tell of the surface, as it does where `for_crust`: fits keep the narrower windows in which bores of
+    /// three spacings and scans out of register show. Else projected points err less.
+    bool for_labels = false;
     /// The cloud in the order in which it was scanned, where `points` come in another: that may tell which places open
     /// sheets face, see viewpoint.h. Read while the surface is built.
     const Points* as_scanned = nullptr;

@@ -30,12 +30,12 @@ inline Woven describe_woven(double violated_votes, const TriangleMesh& crust, co
             measure_bare_area(samples, crust, threads)};
 }
 
-/// Whether it is worth asking: between 0.005 and 0.05 of the votes object where a surface weaves so that its shape is
+/// Whether it is worth asking: between 0.009 and 0.04 of the votes object where a surface weaves so that its shape is
 /// wrong, up to 0.0078 where thin parts are taken for noise. \param noise standard deviation told at first [spacings of
 /// the samples].
 inline bool may_weave(double violated_votes, double noise)
 {
-    constexpr double woven_above = 0.0045;
+    constexpr double woven_above = 0.008;
     return violated_votes > woven_above && noise >= least_noise_of_walls;
 }
 

@@ -231,7 +231,9 @@ TEST(OutwardNormals, AreThoseOfTheSurfaceWherePointsAreNoisyOrOpen)
     {
         const OutwardNormals found = find_outward_normals(points);
         EXPECT_FALSE(found.is_exact);
-        EXPECT_EQ(found.normals, project_all(points).normals);
+        AmlsOptions options;
+        options.for_labels = true;
+        EXPECT_EQ(found.normals, project_to_amls(points, build_amls_surface(points, options)).normals);
     }
     EXPECT_TRUE(find_outward_normals(open).surface.open);
 }
