@@ -366,17 +366,17 @@ AmlsSurface build_amls_surface(const Points& points, const AmlsOptions& options,
         orient(*data, choice, viewpoints, given_normals, threads, progress.part(0.35, 0.85));
 
     const FitSamples samples = list_fit_samples(*data, threads);
-    const bool tells_sides = options.for_crust || options.for_labels;
+    const bool for_labels = options.for_crust || options.for_labels;
     if (options.rho_e == 0)
     {
         times.begin("width");
-        follow_fit_widths(*data, samples, noise, tells_sides ? labels_clearance : projection_clearance, threads,
+        follow_fit_widths(*data, samples, noise, for_labels ? labels_clearance : projection_clearance, threads,
                           progress.part(0.85, 0.87, "Width"));
     }
     times.begin("fit");
     progress.part(0.87, 0.95, "Fit").report(0);
     // In folds crusts get handles else.
-    const bool may_grow = noise.least_noise() >= noisy && !tells_sides;
+    const bool may_grow = noise.least_noise() >= noisy && !for_labels;
     const AnchorStarts anchors =
         choose_starts(*data, choice.anchors, orientation.poles, options.rho_e, may_grow ? most_growth : 1, threads);
     const double robust_scale = choose_robust_scale(samples, anchors.starts, threads);

@@ -112,7 +112,7 @@ TEST(AmlsSurface, GoodPointsAmongBadOnesDecide)
     EXPECT_LT(shapes::rms(project_all(mixed).points, distance), 0.65 * shapes::rms(project_all(even).points, distance));
 }
 
-// Random samples leave sparse spots: .22 of the noise there without growth, .18 with it.
+// Random samples leave sparse spots. Without growth 0.00061, with it 0.00050.
 TEST(AmlsSurface, WindowsGrowWherePointsAreSparse)
 {
     const auto distance = [](const Point& p) { return shapes::distance_to_torus(p, 1, 0.4); };
