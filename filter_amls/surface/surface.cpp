@@ -221,6 +221,7 @@ AnchorStarts choose_starts(AmlsSurface::Data& data, std::vector<int> anchors, co
     Cells& cells = data.cells;
     const CellNormals& normals = data.cell_normals;
     std::vector<double> widths;
+    // The mass is that of a window which may have been widened already.
     for (const int c : anchors)
         widths.push_back(cells.scales[c].width * std::clamp(1 / (normals.mass[c] * normals.widening[c]), 1.0, growth));
     // Without rho_e the feature size only serves the report.
