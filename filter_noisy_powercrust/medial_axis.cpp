@@ -1,20 +1,18 @@
 #include "medial_axis.h"
 
+#include "ball_union.h"
 #include "label_cloud.h"
+#include "sheet_ends.h"
 
-#include <recon/disjoint_sets.h>
 #include <recon/errors.h>
 #include <recon/labelling/labelled_balls.h>
 #include <recon/parallel.h>
 #include <recon/search/neighbours.h>
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <iterator>
-#include <random>
 
 namespace recon
 {
@@ -80,8 +78,8 @@ std::vector<double> list_cosines_of_object_angles(const LabelledBalls& labelled,
 /// noise. Mean cosine between the two directions below which it is one, unless the samples are of two faces, by the
 /// largest angle between their normals [degrees], and the cosine is not as low as the second one.
 constexpr double least_tangency = 0.8, two_faces = 50, least_of_two_faces = 0.6;
-/// Noise from which there are such balls, denoised or not [spacings]. With less the rule would only cost twigs that
-/// reach into edges.
+/// Noise from which there are such balls in a cloud that is not denoised [spacings]: in one that looks free of noise
+/// the rule would cost balls of bends.
 constexpr double noise_of_strays = 0.06;
 /// Radius of the largest of them [local scales]: 2.6; larger ones close holes of the scan.
 constexpr double largest_stray = 3;
@@ -226,108 +224,6 @@ ChosenBalls choose_balls(const LabelledBalls& labelled, const Points& samples, b
     return chosen;
 }
 
-/// Uniform among rotations (Shoemake 1992).
-Eigen::Matrix3d turn_at_random(unsigned seed)
-{
-    std::minstd_rand random(seed + 1);
-    random.discard(3); // the first follow the seed
-    std::uniform_real_distribution<double> uniform;
-    const double share = uniform(random), first = 2 * pi * uniform(random), second = 2 * pi * uniform(random);
-    const double a = std::sqrt(1 - share), b = std::sqrt(share);
-    return Eigen::Quaterniond(b * std::cos(second), a * std::sin(first), a * std::cos(first), b * std::sin(second))
-        .toRotationMatrix();
-}
-
-struct UnionMeasure
-{
-    double volume = 0, area = 0;
-};
-
-/// Volume and area of the union of the balls with is_member, by the divergence theorem over directions of a Fibonacci
-/// sphere: a point of a ball's sphere is on the union's boundary if no neighbouring member holds it. Each
-/// ball turns the directions its own way: the same ones would all miss, or all meet, the small caps along a flat face.
-/// What is left of many spheres does not quite close, so positions count from the middle of each component: a far one
-/// must not weigh. \pre the balls without the others are those of `diagram`.
-UnionMeasure measure_union(const Triangulation& regular, const std::vector<Ball>& balls,
-                           const std::vector<char>& is_member, int threads, const Progress& progress)
-{
-    // Of many balls a hair's breadth apart on a curve each shows a sliver, which few directions meet.
-    constexpr int fewest = 256, most = 16384, in_all = 1 << 24;
-    const int directions =
-        std::clamp(in_all / std::max(int(std::count(is_member.begin(), is_member.end(), 1)), 1), fewest, most);
-    std::vector<Vector> sphere;
-    for (int k = 0; k < directions; ++k)
-    {
-        const double z = 1 - (2 * k + 1.0) / directions, angle = pi * (3 - std::sqrt(5.0)) * k,
-                     r = std::sqrt(1 - z * z);
-        sphere.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
-    }
-    const CellsAtVertices at = list_cells_at_vertices(regular, int(balls.size()));
-    struct Part
-    {
-        double area = 0, flux = 0;       // of the position
-        Vector moment = Vector::Zero();  // of the boundary
-        Vector outward = Vector::Zero(); // sum of the normals, 0 but for the directions' steps
-    };
-    std::vector<Part> parts(balls.size());
-    DisjointSets components(balls.size());
-    parallel_for(balls.size(), threads, progress,
-                 [&](std::size_t i)
-                 {
-                     if (!is_member[i])
-                         return;
-                     std::vector<int> neighbours;
-                     for (int k = at.first[i]; k < at.first[i + 1]; ++k)
-                         for (const int v : regular.cells[at.cell[k]].vertices)
-                             if (v != int(i) && v != Triangulation::infinite && is_member[v])
-                                 neighbours.push_back(v);
-                     std::sort(neighbours.begin(), neighbours.end());
-                     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-                     const Ball& ball = balls[i];
-                     for (const int j : neighbours)
-                         if ((ball.centre - balls[j].centre).norm() < ball.radius + balls[j].radius)
-                             components.join(int(i), j);
-                     const double weight = 4 * pi * ball.radius * ball.radius / directions;
-                     const Eigen::Matrix3d turn = turn_at_random(unsigned(i));
-                     std::size_t last = 0; // what held one point may hold the next
-                     for (const Vector& direction : sphere)
-                     {
-                         const Vector u = turn * direction;
-                         const Point p = ball.centre + ball.radius * u;
-                         const auto holds = [&](int j)
-                         { return (p - balls[j].centre).squaredNorm() < balls[j].radius * balls[j].radius; };
-                         if (last < neighbours.size() && holds(neighbours[last]))
-                             continue;
-                         last = std::size_t(std::find_if(neighbours.begin(), neighbours.end(), holds) -
-                                            neighbours.begin());
-                         if (last == neighbours.size())
-                         {
-                             parts[i].area += weight;
-                             parts[i].flux += weight * p.dot(u);
-                             parts[i].moment += weight * p;
-                             parts[i].outward += weight * u;
-                         }
-                     }
-                 });
-    std::vector<Part> sums(balls.size());
-    for (std::size_t i = 0; i < balls.size(); ++i)
-    {
-        Part& sum = sums[std::size_t(components.find(int(i)))];
-        sum.area += parts[i].area;
-        sum.flux += parts[i].flux;
-        sum.moment += parts[i].moment;
-        sum.outward += parts[i].outward;
-    }
-    UnionMeasure result;
-    for (const Part& sum : sums)
-        if (sum.area > 0)
-        {
-            result.area += sum.area;
-            result.volume += (sum.flux - sum.moment.dot(sum.outward) / sum.area) / 3;
-        }
-    return result;
-}
-
 /// Triangles and loose edges of the regular triangulation all of whose ends are wanted and on one side.
 void list_simplices(const Triangulation& regular, const std::vector<Side>& labels, const std::vector<int>& number,
                     PowerShape& shape)
@@ -362,6 +258,56 @@ void list_simplices(const Triangulation& regular, const std::vector<Side>& label
                         std::back_inserter(shape.edges));
 }
 
+/// Continues the sheets of one side to the sharp edges at which they end. \param wanted the balls that are the shape's
+/// centres.
+void reach_edges(const LabelledCloud& found, const std::vector<int>& wanted, bool inner, int threads,
+                 const Progress& progress, PowerShape& shape)
+{
+    const PreparedSamples& cloud = found.cloud;
+    const PolarBalls& kept = found.labelled.kept;
+    std::vector<AxisBall> balls;
+    std::vector<int> centre; // of the shape, per ball
+    std::vector<int> number(kept.balls.size(), -1);
+    const auto touch = [&](AxisBall& ball, int b)
+    {
+        for (const int v : kept.touched[b])
+            if (v < int(cloud.samples.size()))
+                ball.touched.push_back(cloud.samples[v]);
+    };
+    for (std::size_t k = 0; k < wanted.size(); ++k)
+    {
+        const int b = wanted[k];
+        if ((shape.is_inner[k] != 0) != inner)
+            continue;
+        number[b] = int(balls.size());
+        centre.push_back(int(k));
+        balls.push_back({kept.balls[b].centre, kept.balls[b].radius, found.labelled.scale[b], {}});
+        touch(balls.back(), b);
+    }
+    for (const auto& [hidden, visible] : found.labelled.twins)
+        if (number[visible] >= 0)
+            touch(balls[number[visible]], hidden);
+    const Points claimed = cloud.denoised ? points_at(cloud.claimed, cloud.distinct) : cloud.distinct;
+    const double noise = cloud.denoised ? cloud.noise / cloud.frame.scale() : 0;
+    const SheetEnds ends = find_sheet_ends(balls, claimed, noise, threads, progress);
+    for (const int ball : ends.ball)
+    {
+        shape.is_inner.push_back(inner);
+        shape.nearest_sample.push_back(shape.nearest_sample[centre[ball]]);
+    }
+    const int first = int(shape.centres.size());
+    for (const Point& place : ends.places)
+        shape.centres.push_back(cloud.frame.from_unit(place));
+    shape.radii.resize(shape.centres.size(), 0);
+    for (std::array<int, 3> t : ends.triangles)
+    {
+        for (int& v : t)
+            v = v < int(balls.size()) ? centre[v] : first + v - int(balls.size());
+        shape.triangles.push_back(t);
+    }
+    shape.edge_places += int(ends.places.size());
+}
+
 } // namespace
 
 PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& options, const Progress& progress)
@@ -393,8 +339,8 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     const Progress ending = progress.part(0.9, 1, "power shape");
     ending.report(0);
     const std::vector<Ball>& balls = labelled.kept.balls;
-    const auto [wanted, dropped] = choose_balls(labelled, cloud.samples, shape.noise > noise_of_strays * shape.spacing,
-                                                options, ending.part(0, 0.2));
+    const bool is_noisy = cloud.denoised || shape.noise > noise_of_strays * shape.spacing;
+    const auto [wanted, dropped] = choose_balls(labelled, cloud.samples, is_noisy, options, ending.part(0, 0.2));
     if (wanted.empty())
         throw AlgorithmFailure(
             "No polar ball is left on that side. Lower object_angle, and ball_threshold if it is not 0 (automatic).");
@@ -416,7 +362,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     std::vector<int> number(balls.size(), -1);
     const NeighbourSearch search(cloud.distinct);
     std::vector<int> nearest(wanted.size());
-    parallel_for(wanted.size(), labelling.threads, ending.part(0.7, 0.9),
+    parallel_for(wanted.size(), labelling.threads, ending.part(0.7, 0.8),
                  [&](std::size_t k) { nearest[k] = search.nearest(balls[wanted[k]].centre); });
     for (std::size_t k = 0; k < wanted.size(); ++k)
     {
@@ -429,6 +375,14 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
         shape.largest_radius = std::max(shape.largest_radius, shape.radii.back());
     }
     list_simplices(labelled.regular, labelled.labels, number, shape);
+    if (options.reach_edges)
+    {
+        times.begin("edges");
+        for (const bool inner : {true, false})
+            if (options.side == MedialSide::both || inner == (options.side == MedialSide::inner))
+                reach_edges(found, wanted, inner, labelling.threads,
+                            progress.part(inner ? 0.98 : 0.99, inner ? 0.99 : 1, "edges"), shape);
+    }
     times.end();
     progress.report(1);
     shape.seconds = times.seconds();

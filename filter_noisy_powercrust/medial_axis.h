@@ -29,6 +29,7 @@ struct PowerShapeOptions
         75; ///< Balls whose samples all lie within this angle seen from the centre are dropped [degrees], 0..180.
     double redundancy =
         0; ///< Balls that a larger one covers up to this share of their radius are dropped, 0..1. 0 = keep all.
+    bool reach_edges = true;              ///< Continue sheets to the sharp edges at which they end, see sheet_ends.h.
     Denoise denoise = Denoise::automatic; ///< Whether samples are first projected by AMLS and thinned.
     double noise = 0;                     ///< Standard deviation of the noise [length], >= 0. 0 = estimate.
     int threads = 0; ///< Threads to use [count], >= 0. 0 = all cores. The result does not depend on it.
@@ -37,12 +38,13 @@ struct PowerShapeOptions
 /// Medial axis of the shape that the points bound, as the power shape of its polar balls. Lengths are in input units.
 struct PowerShape
 {
-    Points centres;                            ///< Poles.
-    std::vector<double> radii;                 ///< Of the polar balls: distance of the medial axis to the surface.
-    std::vector<char> is_inner;                ///< Per pole.
-    std::vector<int> nearest_sample;           ///< Per pole: index of the nearest input point.
+    Points centres;                  ///< Poles, then places on sharp edges.
+    std::vector<double> radii;       ///< Of the balls: distance of the medial axis to the surface, 0 on edges.
+    std::vector<char> is_inner;      ///< Per pole.
+    std::vector<int> nearest_sample; ///< Per pole: index of the nearest input point.
     std::vector<std::array<int, 3>> triangles; ///< Faces of the regular triangulation between poles of one side.
     std::vector<std::array<int, 2>> edges;     ///< Its edges that belong to no triangle.
+    int edge_places = 0;                       ///< How many of the centres are places on sharp edges [count].
 
     int points_used = 0;
     bool denoised = false;
@@ -59,8 +61,9 @@ struct PowerShape
 /// Approximates the medial axis by the power shape: the poles of one side and the simplices of the regular
 /// triangulation of the polar balls between them (Amenta, Choi and Kolluri 2001). Poles that noise makes go by the
 /// radius (Mederos et al. 2005, algorithm 4.1 step 3) and by the object angle: with an angle gamma it is the
-/// gamma-medial axis (definition 1). \throws InvalidInput for points that do not span a volume or are not finite, or an
-/// option out of range. \throws AlgorithmFailure if no ball is left. \throws Cancelled.
+/// gamma-medial axis (definition 1). Sheets are continued to the sharp edges at which they end. \throws InvalidInput
+/// for points that do not span a volume or are not finite, or an option out of range. \throws AlgorithmFailure if no
+/// ball is left. \throws Cancelled.
 PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& options = {},
                                const Progress& progress = {});
 

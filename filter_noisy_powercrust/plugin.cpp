@@ -107,6 +107,10 @@ plugin::ParameterTable<MedialAxisFilterOptions> medial_axis_table()
                 "they come from noise and small bumps. Raise it for a simpler medial axis.")
         .number("redundancy", &Options::redundancy, "Redundancy",
                 "Balls that a larger one covers up to this share of their radius (0..1) are dropped. 0: keep all.")
+        .flag(
+            "reach_edges", &Options::reach_edges, "Reach sharp edges",
+            "Continue sheets to the sharp edges at which they end, where the radius is 0. Off: the polar balls alone, "
+            "which end two spacings before.")
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
                 "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on from "
                 "noise of a hundredth of the points' spacing on.")
@@ -127,7 +131,8 @@ plugin::FilterResult make_medial_axis(const plugin::InputLayer& layer, const Med
         {"denoised", shape.denoised},
         {"spacing", shape.spacing},
         {"noise", shape.noise},
-        {"poles", int(shape.centres.size())},
+        {"poles", int(shape.centres.size()) - shape.edge_places},
+        {"edge_places", shape.edge_places},
         {"triangles", int(shape.triangles.size())},
         {"edges", int(shape.edges.size())},
         {"union_volume", shape.union_volume},

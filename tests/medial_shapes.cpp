@@ -72,14 +72,27 @@ MedialShape medial_box(int n, std::uint64_t seed)
         std::sort(d.begin(), d.end());
         return (d[1] - d[0]) / 2;
     };
-    for (int i = 0; i <= 40; ++i)
-        for (int j = 0; j <= 40; ++j)
-            for (int k = 0; k <= 40; ++k)
-            {
-                const Point p = (Point(i, j, k) / 20 - Point::Ones()).cwiseProduct(sides / 2);
-                if (shape.distance_to_axis(p) < 1e-9 && (sides / 2 - p.cwiseAbs()).minCoeff() > 0)
+    // Sheets end at the edges, where two faces meet, and on the flat between the two nearest faces.
+    constexpr int steps = 80;
+    const Vector half = sides / 2;
+    const double inradius = half.minCoeff();
+    for (int k = 0; k < 3; ++k)
+        for (int depth = 0; depth <= steps; ++depth)
+        {
+            const double d = inradius * depth / steps, along = half[k] - d;
+            for (int t = -2 * steps; t <= 2 * steps; ++t)
+                for (const int side : {0, 1, 2, 3})
+                {
+                    Point p;
+                    p[k] = along * t / (2 * steps);
+                    p[(k + 1) % 3] = (side & 1 ? 1 : -1) * (half[(k + 1) % 3] - d);
+                    p[(k + 2) % 3] = (side & 2 ? 1 : -1) * (half[(k + 2) % 3] - d);
                     shape.on_axis.push_back(p);
-            }
+                }
+        }
+    for (int i = -steps; i <= steps; ++i)
+        for (int j = -steps; j <= steps; ++j)
+            shape.on_axis.emplace_back((half.x() - inradius) * i / steps, (half.y() - inradius) * j / steps, 0);
     return shape;
 }
 

@@ -26,6 +26,25 @@ def test_axis_of_a_torus_is_its_circle(make_host, tmp_path, host):
     assert values["largest_radius"] == pytest.approx(MINOR, rel=0.1)
 
 
+def test_sheets_reach_the_edges_of_a_box(make_host):
+    half = np.array([1.0, 0.75, 0.5])
+    random = np.random.default_rng(3)
+    points = random.uniform(-half, half, (6000, 3))
+    areas = np.array([half[1] * half[2], half[2] * half[0], half[0] * half[1]])
+    face = random.choice(3, len(points), p=areas / areas.sum())
+    points[np.arange(len(points)), face] = half[face] * random.choice([-1.0, 1.0], len(points))
+    meshes = make_host("pymeshlab", FILTER.plugin).mesh_set(Cloud(points))
+    values = meshes.apply_filter(FILTER.python_name)
+    axis = meshes.current_mesh()
+    radii = axis.vertex_custom_scalar_attribute_array("radius")
+    assert values["edge_places"] == (radii == 0).sum() > 100
+    assert values["poles"] == (radii > 0).sum()
+    off = np.sort(np.abs(np.abs(axis.vertex_matrix()[radii == 0]) - half), axis=1)
+    assert off[:, 1].max() < 0.03  # an edge lies on two faces
+    meshes.set_current_mesh(0)
+    assert meshes.apply_filter(FILTER.python_name, reach_edges=False)["edge_places"] == 0
+
+
 def test_radii_and_edges_reach_pymeshlab(make_host):
     points = torus(3000, 0.0, seed=2)
     meshes = make_host("pymeshlab", FILTER.plugin).mesh_set(Cloud(points))
