@@ -12,7 +12,10 @@ namespace
 
 /// Between the faces' normals: 50 and 150 degrees.
 constexpr double bend_cosine = 0.64, rim_cosine = -0.87;
+/// Of two pairs of touched samples that tell of the same faces: 30 degrees.
+constexpr double same_direction = 0.87;
 // Lengths in scales of the ball.
+constexpr double collected_beyond = 1; // what the first window needs, for those to come
 constexpr double farthest_edge = 6;
 constexpr double fitted_along = 2.5, tested_along = 1.25, beyond_depth = 1.5; // window around the place
 constexpr std::array<double, 2> widths{1, 1.6};                               // of the window along the edge
@@ -20,10 +23,10 @@ constexpr double tolerance_of_scale = 0.1, tolerance_of_noise = 3;
 constexpr double first_capture = 0.5; // beyond the tolerance, while planes are those of the ball
 constexpr double least_noise = 0.05;  // of exact samples of faces that are not quite flat
 constexpr int fitting_rounds = 5, first_rounds = 2;
-constexpr int least_of_face = 4;    // points
-constexpr double most_off = 0.08;   // of the points
-constexpr double most_gap = 0.35;   // between the ball and the planes [radii]
-constexpr double capped_square = 9; // of a residual [noise^2]
+constexpr int least_of_face = 4;                        // points
+constexpr double most_off = 0.08, hopelessly_off = 0.5; // of the points
+constexpr double most_gap = 0.35;                       // between the ball and the planes [radii]
+constexpr double capped_square = 9;                     // of a residual [noise^2]
 /// Log-likelihood by which planes must be ahead of a rival.
 constexpr double least_lead = 4;
 /// Radii of rival round edges; smaller ones do not show between samples.
@@ -32,20 +35,41 @@ constexpr int rounding_rounds = 2;
 
 } // namespace
 
-bool EdgePlaceFinder::may_be_of_two_faces(const AxisBall& ball, const Point& first, const Point& second)
+std::vector<EdgePlace> EdgePlaceFinder::find(const AxisBall& ball, bool& is_asked)
 {
-    const double cosine = (first - ball.centre).normalized().dot((second - ball.centre).normalized());
-    return cosine <= bend_cosine && cosine >= rim_cosine;
-}
-
-std::optional<EdgePlace> EdgePlaceFinder::find(const AxisBall& ball, const Point& first, const Point& second)
-{
-    const Planes tangent{Plane{first, (first - ball.centre).normalized()},
-                         Plane{second, (second - ball.centre).normalized()}};
-    for (const double widened : widths)
-        if (const auto edge = find_in(widened, ball, tangent))
-            return edge;
-    return {};
+    std::vector<EdgePlace> result;
+    is_asked = false;
+    Vectors directions;
+    for (const Point& p : ball.touched)
+        directions.push_back((p - ball.centre).normalized());
+    std::vector<std::pair<int, int>> tried;
+    const auto was_tried = [&](int i, int j)
+    {
+        return std::any_of(
+            tried.begin(), tried.end(),
+            [&](const auto& t)
+            {
+                const auto alike = [&](int a, int b) { return directions[a].dot(directions[b]) > same_direction; };
+                return (alike(i, t.first) && alike(j, t.second)) || (alike(i, t.second) && alike(j, t.first));
+            });
+    };
+    for (int i = 0; i < int(directions.size()); ++i)
+        for (int j = 0; j < i; ++j)
+        {
+            const double cosine = directions[i].dot(directions[j]);
+            if (cosine > bend_cosine || cosine < rim_cosine || was_tried(i, j))
+                continue;
+            is_asked = true;
+            tried.emplace_back(i, j);
+            const Planes tangent{Plane{ball.touched[i], directions[i]}, Plane{ball.touched[j], directions[j]}};
+            for (const double widened : widths)
+                if (const auto edge = find_in(widened, ball, tangent))
+                {
+                    result.push_back(*edge);
+                    break;
+                }
+        }
+    return result;
 }
 
 double EdgePlaceFinder::tolerance(const AxisBall& ball) const
@@ -63,7 +87,8 @@ std::optional<EdgePlace> EdgePlaceFinder::find_in(double widened, const AxisBall
         collect(ball, edge, widened * fitted_along * ball.scale);
         if (round == fitting_rounds)
             break;
-        if (!refit(planes, tolerance(ball) + (round < first_rounds ? first_capture * ball.scale : 0)))
+        const double capture = tolerance(ball) + (round < first_rounds ? first_capture * ball.scale : 0);
+        if (!lie_along(planes, capture) || !refit(planes, capture))
             return {};
     }
     for (const Plane& plane : planes)
@@ -101,17 +126,37 @@ bool EdgePlaceFinder::meet(const AxisBall& ball, const Planes& planes, EdgePlace
     return edge.depth < farthest_edge * ball.scale;
 }
 
+/// Points in a window around the edge.
 void EdgePlaceFinder::collect(const AxisBall& ball, const EdgePlace& edge, double along)
 {
-    const double across = edge.depth + beyond_depth * ball.scale;
-    search_.within(edge.place, std::hypot(across, along), around_);
-    const auto is_off = [&](int i)
+    const double across = edge.depth + beyond_depth * ball.scale, reach = std::hypot(across, along);
+    if ((edge.place - collected_at_).norm() + reach > collected_within_)
+    {
+        collected_at_ = edge.place;
+        collected_within_ = reach + collected_beyond * ball.scale;
+        search_.within(collected_at_, collected_within_, collected_);
+    }
+    around_.clear();
+    for (const int i : collected_)
     {
         const Vector d = points_[i] - edge.place;
         const double t = d.dot(edge.along);
-        return std::abs(t) > along || (d - t * edge.along).squaredNorm() > across * across;
-    };
-    around_.erase(std::remove_if(around_.begin(), around_.end(), is_off), around_.end());
+        if (std::abs(t) <= along && d.squaredNorm() - t * t <= across * across)
+            around_.push_back(i);
+    }
+}
+
+/// Whether enough of the points to go on.
+bool EdgePlaceFinder::lie_along(const Planes& planes, double capture) const
+{
+    const auto off = std::count_if(around_.begin(), around_.end(),
+                                   [&](int i)
+                                   {
+                                       const double high =
+                                           std::max(planes[0].distance(points_[i]), planes[1].distance(points_[i]));
+                                       return std::abs(high) > capture;
+                                   });
+    return double(off) <= hopelessly_off * double(around_.size());
 }
 
 /// \param capture distance from a plane up to which points are of its face [length].
@@ -143,7 +188,8 @@ bool EdgePlaceFinder::fit(Plane& plane, const std::vector<int>& of_face) const
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     for (const int i : of_face)
         moments += (points_[i] - plane.origin) * (points_[i] - plane.origin).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(moments);
     if (solver.eigenvalues()[1] < 2 * solver.eigenvalues()[0])
         return false;
     const Vector normal = solver.eigenvectors().col(0);

@@ -41,12 +41,10 @@ public:
     {
     }
 
-    /// \param first, second samples that the ball touches. \returns none where the edge is not sharp, or where the
-    /// points do not tell.
-    std::optional<EdgePlace> find(const AxisBall& ball, const Point& first, const Point& second);
-
-    /// Whether faces through these two samples can make an edge, not a bend or a wall's rim.
-    static bool may_be_of_two_faces(const AxisBall& ball, const Point& first, const Point& second);
+    /// One or none for each two directions in which the ball touches samples, where the edge is not sharp, or the
+    /// points do not tell, none. \param is_asked becomes whether two directions may be two faces', not a bend's or a
+    /// rim's.
+    std::vector<EdgePlace> find(const AxisBall& ball, bool& is_asked);
 
 private:
     struct Plane
@@ -62,6 +60,7 @@ private:
     static Point place_on(const Planes& planes, const Point& from, double below);
     static bool meet(const AxisBall& ball, const Planes& planes, EdgePlace& edge);
     void collect(const AxisBall& ball, const EdgePlace& edge, double along);
+    bool lie_along(const Planes& planes, double capture) const;
     bool refit(Planes& planes, double capture) const;
     bool fit(Plane& plane, const std::vector<int>& of_face) const;
     bool have_both_faces(const AxisBall& ball, const EdgePlace& edge, const Planes& planes, double along) const;
@@ -74,7 +73,10 @@ private:
     const Points& points_;
     const BlockSearch& search_;
     double noise_;
-    std::vector<int> around_;
+    std::vector<int> around_; ///< Points in the window.
+    std::vector<int> collected_;
+    Point collected_at_ = Point::Zero();
+    double collected_within_ = -1; ///< [length]
 };
 
 } // namespace recon

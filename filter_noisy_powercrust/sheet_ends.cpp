@@ -98,23 +98,13 @@ private:
                             EdgePlaceFinder finder(points_, search, noise_);
                             for (std::size_t b = begin; b < end; ++b)
                                 if (balls_[b].radius <= largest_ball * balls_[b].scale)
-                                    is_asked[b] = ask(finder, int(b), found[b]);
+                                {
+                                    bool is_of_two_faces = false;
+                                    for (const EdgePlace& edge : finder.find(balls_[b], is_of_two_faces))
+                                        found[b].push_back({edge, int(b)});
+                                    is_asked[b] = is_of_two_faces;
+                                }
                         });
-        return is_asked;
-    }
-
-    bool ask(EdgePlaceFinder& finder, int b, std::vector<End>& found) const
-    {
-        const AxisBall& ball = balls_[b];
-        bool is_asked = false;
-        for (std::size_t i = 0; i < ball.touched.size(); ++i)
-            for (std::size_t j = 0; j < i; ++j)
-                if (EdgePlaceFinder::may_be_of_two_faces(ball, ball.touched[i], ball.touched[j]))
-                {
-                    is_asked = true;
-                    if (const auto edge = finder.find(ball, ball.touched[i], ball.touched[j]))
-                        found.push_back({*edge, b});
-                }
         return is_asked;
     }
 
