@@ -107,10 +107,6 @@ plugin::ParameterTable<MedialAxisFilterOptions> medial_axis_table()
                 "they come from noise and small bumps. Raise it for a simpler medial axis.")
         .number("redundancy", &Options::redundancy, "Redundancy",
                 "Balls that a larger one covers up to this share of their radius (0..1) are dropped. 0: keep all.")
-        .flag(
-            "reach_edges", &Options::reach_edges, "Reach sharp edges",
-            "Continue sheets to the sharp edges at which they end, where the radius is 0. Off: the polar balls alone, "
-            "which end two spacings before.")
         .choice("denoise", &Options::denoise, {"automatic", "on", "off"}, "Denoise first",
                 "On: the points are projected onto a smooth surface (AMLS) and thinned first. Automatic: on from "
                 "noise of a hundredth of the points' spacing on.")
@@ -179,7 +175,8 @@ plugin::PluginSpec plugin::describe_plugin()
         "Approximates the <b>medial axis</b> of the shape that the points bound: a layer whose vertices are the "
         "centres of polar balls, with the balls' <b>radii</b> as vertex radius and quality, joined by the edges and "
         "triangles of their regular triangulation. No normals are needed, and the points may be <b>noisy</b>. The "
-        "volume of the union of the inner balls is among the results.<br><br>"
+        "volume of the union of the inner balls is among the results. Sheets are continued to the sharp edges at which "
+        "they end, where the radius is 0.<br><br>"
         "See:<br><i>N. Amenta, S. Choi, R. K. Kolluri</i><br><b>\"The Power Crust\"</b><br>"
         "ACM Symposium on Solid Modeling and Applications 2001.<br>" +
         std::string(sgp_2005);
