@@ -35,7 +35,8 @@ constexpr int rounding_rounds = 2;
 
 } // namespace
 
-std::vector<EdgePlace> EdgePlaceFinder::find(const AxisBall& ball, bool& is_asked)
+std::vector<EdgePlace> EdgePlaceFinder::find(const AxisBall& ball, const std::function<bool(const Point&)>& is_known,
+                                             bool& is_asked)
 {
     std::vector<EdgePlace> result;
     is_asked = false;
@@ -59,9 +60,11 @@ std::vector<EdgePlace> EdgePlaceFinder::find(const AxisBall& ball, bool& is_aske
             const double cosine = directions[i].dot(directions[j]);
             if (cosine > bend_cosine || cosine < rim_cosine || was_tried(i, j))
                 continue;
-            is_asked = true;
             tried.emplace_back(i, j);
             const Planes tangent{Plane{ball.touched[i], directions[i]}, Plane{ball.touched[j], directions[j]}};
+            if (is_known(place_on(tangent, ball.centre, 0)))
+                continue;
+            is_asked = true;
             for (const double widened : widths)
                 if (const auto edge = find_in(widened, ball, tangent))
                 {

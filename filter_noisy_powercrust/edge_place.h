@@ -4,6 +4,7 @@
 #include <recon/search/block_search.h>
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -44,7 +45,9 @@ public:
     /// One or none for each two directions in which the ball touches samples, where the edge is not sharp, or the
     /// points do not tell, none. \param is_asked becomes whether two directions may be two faces', not a bend's or a
     /// rim's.
-    std::vector<EdgePlace> find(const AxisBall& ball, bool& is_asked);
+    /// \param is_known whether there is a place on an edge already, of those at which the ball's may lie.
+    std::vector<EdgePlace> find(const AxisBall& ball, const std::function<bool(const Point&)>& is_known,
+                                bool& is_asked);
 
 private:
     struct Plane

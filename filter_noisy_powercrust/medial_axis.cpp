@@ -264,29 +264,14 @@ void reach_edges(const LabelledCloud& found, const std::vector<int>& wanted, boo
                  const Progress& progress, PowerShape& shape)
 {
     const PreparedSamples& cloud = found.cloud;
-    const PolarBalls& kept = found.labelled.kept;
-    std::vector<AxisBall> balls;
-    std::vector<int> centre; // of the shape, per ball
-    std::vector<int> number(kept.balls.size(), -1);
-    const auto touch = [&](AxisBall& ball, int b)
-    {
-        for (const int v : kept.touched[b])
-            if (v < int(cloud.samples.size()))
-                ball.touched.push_back(cloud.samples[v]);
-    };
+    std::vector<int> chosen, centre; // of the shape, per ball
     for (std::size_t k = 0; k < wanted.size(); ++k)
-    {
-        const int b = wanted[k];
-        if ((shape.is_inner[k] != 0) != inner)
-            continue;
-        number[b] = int(balls.size());
-        centre.push_back(int(k));
-        balls.push_back({kept.balls[b].centre, kept.balls[b].radius, found.labelled.scale[b], {}});
-        touch(balls.back(), b);
-    }
-    for (const auto& [hidden, visible] : found.labelled.twins)
-        if (number[visible] >= 0)
-            touch(balls[number[visible]], hidden);
+        if ((shape.is_inner[k] != 0) == inner)
+        {
+            chosen.push_back(wanted[k]);
+            centre.push_back(int(k));
+        }
+    const std::vector<AxisBall> balls = list_axis_balls(found.labelled, cloud.samples, chosen);
     const Points claimed = cloud.denoised ? points_at(cloud.claimed, cloud.distinct) : cloud.distinct;
     const double noise = cloud.denoised ? cloud.noise / cloud.frame.scale() : 0;
     const SheetEnds ends = find_sheet_ends(balls, claimed, noise, threads, progress);

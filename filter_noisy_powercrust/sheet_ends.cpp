@@ -15,7 +15,10 @@ namespace
 {
 
 // Lengths in scales of the ball.
-constexpr double largest_ball = 4;
+constexpr std::array<double, 3> classes{1, 2, 4}; // of balls by radius, asked one after the other
+constexpr double largest_ball = classes.back();
+constexpr int scout_every = 8;
+constexpr double scouted_within = 6;
 constexpr double votes_within = 2, least_votes = 0.5; // of the balls there
 constexpr double apart = 0.6;                         // places
 constexpr double follows_within = 4, least_ahead_cosine = 0.9, same_face_cosine = 0.8;
@@ -86,25 +89,69 @@ private:
             ends_.push_back(ends[i]);
     }
 
-    /// \returns per ball, whether it touches what may be two faces.
+    /// A few balls first, then those around which one of these has an edge below: on round shapes that is none.
+    /// \returns per ball, whether it touches what may be two faces, of those that were asked.
     std::vector<char> ask_balls(std::vector<std::vector<End>>& found, const Progress& progress) const
     {
         std::vector<char> is_asked(balls_.size(), 0);
         const BlockSearch search(points_);
-        constexpr std::size_t grain = 64;
-        parallel_chunks(balls_.size(), threads_, grain, progress,
-                        [&](std::size_t begin, std::size_t end)
-                        {
-                            EdgePlaceFinder finder(points_, search, noise_);
-                            for (std::size_t b = begin; b < end; ++b)
-                                if (balls_[b].radius <= largest_ball * balls_[b].scale)
+        const auto ask = [&](const std::vector<int>& chosen, const Points& places, const Progress& part)
+        {
+            const NeighbourSearch known(places);
+            constexpr std::size_t grain = 64;
+            parallel_chunks(chosen.size(), threads_, grain, part,
+                            [&](std::size_t begin, std::size_t end)
+                            {
+                                EdgePlaceFinder finder(points_, search, noise_);
+                                for (std::size_t k = begin; k < end; ++k)
                                 {
+                                    const int b = chosen[k];
+                                    const auto is_known = [&](const Point& place)
+                                    {
+                                        const int nearest = known.nearest(place);
+                                        return nearest >= 0 &&
+                                               (places[nearest] - place).norm() < apart * balls_[b].scale;
+                                    };
                                     bool is_of_two_faces = false;
-                                    for (const EdgePlace& edge : finder.find(balls_[b], is_of_two_faces))
-                                        found[b].push_back({edge, int(b)});
+                                    for (const EdgePlace& edge : finder.find(balls_[b], is_known, is_of_two_faces))
+                                        found[b].push_back({edge, b});
                                     is_asked[b] = is_of_two_faces;
                                 }
-                        });
+                            });
+        };
+        std::vector<int> scouts, others;
+        for (int b = 0; b < int(balls_.size()); ++b)
+            if (balls_[b].radius <= largest_ball * balls_[b].scale)
+                (b % scout_every == 0 ? scouts : others).push_back(b);
+        ask(scouts, {}, progress.part(0, 0.3));
+        Points successful;
+        for (const int b : scouts)
+            if (!found[b].empty())
+                successful.push_back(balls_[b].centre);
+        const NeighbourSearch around(successful);
+        const auto is_far = [&](int b)
+        {
+            const int nearest = around.nearest(balls_[b].centre);
+            return nearest < 0 || (successful[nearest] - balls_[b].centre).norm() > scouted_within * balls_[b].scale;
+        };
+        others.erase(std::remove_if(others.begin(), others.end(), is_far), others.end());
+        // The smallest balls lie nearest to an edge; where it is known then the others need not be asked.
+        Points places;
+        double least = 0;
+        for (std::size_t k = 0; k < classes.size(); ++k)
+        {
+            std::vector<int> chosen;
+            for (const int b : others)
+                if (balls_[b].radius > least * balls_[b].scale && balls_[b].radius <= classes[k] * balls_[b].scale)
+                    chosen.push_back(b);
+            ask(chosen, places,
+                progress.part(0.3 + 0.7 * double(k) / double(classes.size()),
+                              0.3 + 0.7 * double(k + 1) / double(classes.size())));
+            for (const int b : chosen)
+                for (const End& end : found[b])
+                    places.push_back(end.place);
+            least = classes[k];
+        }
         return is_asked;
     }
 
@@ -291,6 +338,30 @@ private:
 };
 
 } // namespace
+
+std::vector<AxisBall> list_axis_balls(const LabelledBalls& labelled, const Points& samples,
+                                      const std::vector<int>& chosen)
+{
+    const PolarBalls& kept = labelled.kept;
+    std::vector<AxisBall> balls;
+    std::vector<int> number(kept.balls.size(), -1);
+    const auto touch = [&](AxisBall& ball, int b)
+    {
+        for (const int v : kept.touched[b])
+            if (v < int(samples.size()))
+                ball.touched.push_back(samples[v]);
+    };
+    for (const int b : chosen)
+    {
+        number[b] = int(balls.size());
+        balls.push_back({kept.balls[b].centre, kept.balls[b].radius, labelled.scale[b], {}});
+        touch(balls.back(), b);
+    }
+    for (const auto& [hidden, visible] : labelled.twins)
+        if (number[visible] >= 0)
+            touch(balls[number[visible]], hidden);
+    return balls;
+}
 
 SheetEnds find_sheet_ends(const std::vector<AxisBall>& balls, const Points& points, double noise, int threads,
                           const Progress& progress)

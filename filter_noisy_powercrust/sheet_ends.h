@@ -3,6 +3,7 @@
 #include "edge_place.h"
 
 #include <recon/geometry.h>
+#include <recon/labelling/labelled_balls.h>
 #include <recon/progress.h>
 
 #include <array>
@@ -10,6 +11,10 @@
 
 namespace recon
 {
+
+/// These balls, each with the samples that it and hidden balls in its place touch.
+std::vector<AxisBall> list_axis_balls(const LabelledBalls& labelled, const Points& samples,
+                                      const std::vector<int>& chosen);
 
 /// What joins a medial axis to the sharp edges at which its sheets end.
 struct SheetEnds
