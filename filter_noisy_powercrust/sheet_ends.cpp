@@ -37,7 +37,8 @@ class EndFinder
 {
 public:
     EndFinder(const std::vector<AxisBall>& balls, const Points& points, double noise, int threads)
-        : balls_(balls), points_(points), noise_(noise), threads_(threads)
+        : balls_(balls), points_(points), search_(points, threads), noise_(noise), threads_(threads),
+          found_(balls.size()), is_asked_(balls.size(), 0)
     {
     }
 
@@ -70,13 +71,12 @@ private:
     /// One per place: of the ball that is nearest to the edge.
     void collect_ends(const Progress& progress)
     {
-        std::vector<std::vector<End>> found(balls_.size());
-        const std::vector<char> is_asked = ask_balls(found, progress);
-        const std::vector<char> is_elected = take_vote(is_asked, found);
+        ask_balls(progress);
+        const std::vector<char> is_elected = take_vote();
         std::vector<End> ends;
-        for (std::size_t b = 0; b < found.size(); ++b)
+        for (std::size_t b = 0; b < balls_.size(); ++b)
             if (is_elected[b])
-                ends.insert(ends.end(), found[b].begin(), found[b].end());
+                ends.insert(ends.end(), found_[b].begin(), found_[b].end());
         std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.depth < b.depth; });
         Points places;
         std::vector<double> radii;
@@ -89,79 +89,81 @@ private:
             ends_.push_back(ends[i]);
     }
 
-    /// A few balls first, then those around which one of these has an edge below: on round shapes that is none.
-    /// \returns per ball, whether it touches what may be two faces, of those that were asked.
-    std::vector<char> ask_balls(std::vector<std::vector<End>>& found, const Progress& progress) const
+    /// A few balls first, then those around which one of these has an edge below: on round shapes that is none. Of
+    /// these the smallest first, which lie nearest to an edge: where it is known then the others need not be asked.
+    void ask_balls(const Progress& progress)
     {
-        std::vector<char> is_asked(balls_.size(), 0);
-        const BlockSearch search(points_);
-        const auto ask = [&](const std::vector<int>& chosen, const Points& places, const Progress& part)
-        {
-            const NeighbourSearch known(places);
-            constexpr std::size_t grain = 64;
-            parallel_chunks(chosen.size(), threads_, grain, part,
-                            [&](std::size_t begin, std::size_t end)
-                            {
-                                EdgePlaceFinder finder(points_, search, noise_);
-                                for (std::size_t k = begin; k < end; ++k)
-                                {
-                                    const int b = chosen[k];
-                                    const auto is_known = [&](const Point& place)
-                                    {
-                                        const int nearest = known.nearest(place);
-                                        return nearest >= 0 &&
-                                               (places[nearest] - place).norm() < apart * balls_[b].scale;
-                                    };
-                                    bool is_of_two_faces = false;
-                                    for (const EdgePlace& edge : finder.find(balls_[b], is_known, is_of_two_faces))
-                                        found[b].push_back({edge, b});
-                                    is_asked[b] = is_of_two_faces;
-                                }
-                            });
-        };
         std::vector<int> scouts, others;
         for (int b = 0; b < int(balls_.size()); ++b)
             if (balls_[b].radius <= largest_ball * balls_[b].scale)
                 (b % scout_every == 0 ? scouts : others).push_back(b);
         ask(scouts, {}, progress.part(0, 0.3));
-        Points successful;
-        for (const int b : scouts)
-            if (!found[b].empty())
-                successful.push_back(balls_[b].centre);
-        const NeighbourSearch around(successful);
-        const auto is_far = [&](int b)
-        {
-            const int nearest = around.nearest(balls_[b].centre);
-            return nearest < 0 || (successful[nearest] - balls_[b].centre).norm() > scouted_within * balls_[b].scale;
-        };
-        others.erase(std::remove_if(others.begin(), others.end(), is_far), others.end());
-        // The smallest balls lie nearest to an edge; where it is known then the others need not be asked.
+        drop_unpromising(scouts, others);
         Points places;
         double least = 0;
         for (std::size_t k = 0; k < classes.size(); ++k)
         {
             std::vector<int> chosen;
             for (const int b : others)
-                if (balls_[b].radius > least * balls_[b].scale && balls_[b].radius <= classes[k] * balls_[b].scale)
+                if (const double radius = balls_[b].radius / balls_[b].scale; radius > least && radius <= classes[k])
                     chosen.push_back(b);
-            ask(chosen, places,
-                progress.part(0.3 + 0.7 * double(k) / double(classes.size()),
-                              0.3 + 0.7 * double(k + 1) / double(classes.size())));
+            const double share = 0.7 / double(classes.size());
+            ask(chosen, places, progress.part(0.3 + share * double(k), 0.3 + share * double(k + 1)));
             for (const int b : chosen)
-                for (const End& end : found[b])
+                for (const End& end : found_[b])
                     places.push_back(end.place);
             least = classes[k];
         }
-        return is_asked;
+    }
+
+    /// \param known places: balls that would find one of them again need not be asked.
+    void ask(const std::vector<int>& chosen, const Points& known, const Progress& progress)
+    {
+        const NeighbourSearch search(known);
+        const auto ask_one = [&](EdgePlaceFinder& finder, int b)
+        {
+            const auto is_known = [&](const Point& place)
+            {
+                const int nearest = search.nearest(place);
+                return nearest >= 0 && (known[nearest] - place).norm() < apart * balls_[b].scale;
+            };
+            bool is_of_two_faces = false;
+            for (const EdgePlace& edge : finder.find(balls_[b], is_known, is_of_two_faces))
+                found_[b].push_back({edge, b});
+            is_asked_[b] = is_of_two_faces;
+        };
+        constexpr std::size_t grain = 64;
+        parallel_chunks(chosen.size(), threads_, grain, progress,
+                        [&](std::size_t begin, std::size_t end)
+                        {
+                            EdgePlaceFinder finder(points_, search_, noise_);
+                            for (std::size_t k = begin; k < end; ++k)
+                                ask_one(finder, chosen[k]);
+                        });
+    }
+
+    void drop_unpromising(const std::vector<int>& scouts, std::vector<int>& others) const
+    {
+        Points successful;
+        for (const int b : scouts)
+            if (!found_[b].empty())
+                successful.push_back(balls_[b].centre);
+        const NeighbourSearch search(successful);
+        const auto is_far = [&](int b)
+        {
+            const int nearest = search.nearest(balls_[b].centre);
+            return nearest < 0 || (successful[nearest] - balls_[b].centre).norm() > scouted_within * balls_[b].scale;
+        };
+        others.erase(std::remove_if(others.begin(), others.end(), is_far), others.end());
     }
 
     /// Per ball, whether enough of those around that were asked have an edge below: a few of a bumpy limb's look so.
-    std::vector<char> take_vote(const std::vector<char>& is_asked, const std::vector<std::vector<End>>& found) const
+    std::vector<char> take_vote() const
     {
         Points centres;
         std::vector<int> asked;
         for (std::size_t b = 0; b < balls_.size(); ++b)
-            if (is_asked[b])
+            if (is_asked_[b])
             {
                 centres.push_back(balls_[b].centre);
                 asked.push_back(int(b));
@@ -171,12 +173,12 @@ private:
         parallel_for(balls_.size(), threads_, {},
                      [&](std::size_t b)
                      {
-                         if (found[b].empty())
+                         if (found_[b].empty())
                              return;
                          std::vector<int> around;
                          search.within(balls_[b].centre, votes_within * balls_[b].scale, around);
                          const auto agreeing = std::count_if(around.begin(), around.end(),
-                                                             [&](int i) { return !found[asked[i]].empty(); });
+                                                             [&](int i) { return !found_[asked[i]].empty(); });
                          is_elected[b] = double(agreeing) > least_votes * double(around.size());
                      });
         return is_elected;
@@ -330,8 +332,11 @@ private:
 
     const std::vector<AxisBall>& balls_;
     const Points& points_;
+    BlockSearch search_;
     double noise_;
     int threads_;
+    std::vector<std::vector<End>> found_; ///< Per ball.
+    std::vector<char> is_asked_;          ///< Per ball, whether it touches what may be two faces and was asked.
     std::vector<End> ends_;
     std::vector<std::array<char, 2>> is_open_; ///< Per end and side, whether no other follows.
     std::vector<std::array<int, 2>> follow_;   ///< Ends that follow one another.
