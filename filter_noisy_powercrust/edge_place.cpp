@@ -57,11 +57,10 @@ std::vector<EdgePlace> EdgePlaceFinder::find(const AxisBall& ball, const std::fu
     for (int i = 0; i < int(directions.size()); ++i)
         for (int j = 0; j < i; ++j)
         {
-            const double cosine = directions[i].dot(directions[j]);
-            if (cosine > bend_cosine || cosine < rim_cosine || was_tried(i, j))
+            const Planes tangent{Plane{ball.touched[i], directions[i]}, Plane{ball.touched[j], directions[j]}};
+            if (!may_meet(tangent) || was_tried(i, j))
                 continue;
             tried.emplace_back(i, j);
-            const Planes tangent{Plane{ball.touched[i], directions[i]}, Plane{ball.touched[j], directions[j]}};
             if (is_known(place_on(tangent, ball.centre, 0)))
                 continue;
             is_asked = true;
