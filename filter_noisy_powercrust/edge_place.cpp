@@ -1,5 +1,7 @@
 #include "edge_place.h"
 
+#include "wedge.h"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -101,6 +103,18 @@ std::optional<EdgePlace> EdgePlaceFinder::find_in(double widened, const AxisBall
     return edge;
 }
 
+/// The plane that bounds what lies below both.
+int EdgePlaceFinder::facing(const Planes& planes, const Point& p)
+{
+    return planes[0].distance(p) > planes[1].distance(p) ? 0 : 1;
+}
+
+/// Signed, from the boundary of what lies below both.
+double EdgePlaceFinder::distance(const Planes& planes, const Point& p)
+{
+    return std::max(planes[0].distance(p), planes[1].distance(p));
+}
+
 bool EdgePlaceFinder::may_meet(const Planes& planes)
 {
     const double cosine = planes[0].normal.dot(planes[1].normal);
@@ -152,12 +166,7 @@ void EdgePlaceFinder::collect(const AxisBall& ball, const EdgePlace& edge, doubl
 bool EdgePlaceFinder::lie_along(const Planes& planes, double capture) const
 {
     const auto off = std::count_if(around_.begin(), around_.end(),
-                                   [&](int i)
-                                   {
-                                       const double high =
-                                           std::max(planes[0].distance(points_[i]), planes[1].distance(points_[i]));
-                                       return std::abs(high) > capture;
-                                   });
+                                   [&](int i) { return std::abs(distance(planes, points_[i])) > capture; });
     return double(off) <= hopelessly_off * double(around_.size());
 }
 
@@ -209,16 +218,15 @@ bool EdgePlaceFinder::have_both_faces(const AxisBall& ball, const EdgePlace& edg
         if (std::abs((points_[i] - edge.place).dot(edge.along)) > along)
             continue;
         ++tested;
-        const double d0 = planes[0].distance(points_[i]), d1 = planes[1].distance(points_[i]);
-        if (std::abs(std::max(d0, d1)) > tolerance(ball))
+        if (std::abs(distance(planes, points_[i])) > tolerance(ball))
             ++off;
         else
-            ++of_face[d0 > d1 ? 0 : 1];
+            ++of_face[facing(planes, points_[i])];
     }
     return off <= most_off * tested && std::min(of_face[0], of_face[1]) >= least_of_face;
 }
 
-bool EdgePlaceFinder::is_sharp(const AxisBall& ball, const EdgePlace& edge, const Planes& planes) const
+bool EdgePlaceFinder::is_sharp(const AxisBall& ball, const EdgePlace& edge, const Planes& planes)
 {
     const double noise = std::max(noise_, least_noise * ball.scale), unit = noise * noise, cap = capped_square * unit;
     const double bearable = misfit_of_planes(planes, cap) + 2 * least_lead * unit;
@@ -233,7 +241,7 @@ double EdgePlaceFinder::misfit_of_planes(const Planes& planes, double cap) const
     double sum = 0;
     for (const int i : around_)
     {
-        const double high = std::max(planes[0].distance(points_[i]), planes[1].distance(points_[i]));
+        const double high = distance(planes, points_[i]);
         sum += std::min(high * high, cap);
     }
     return sum;
@@ -260,10 +268,9 @@ double EdgePlaceFinder::misfit_of_round_edge(const EdgePlace& edge, Planes plane
             double residual = d.norm() - radius;
             if (a <= cosine * b || b <= cosine * a)
             {
-                const double d0 = planes[0].distance(points_[i]), d1 = planes[1].distance(points_[i]);
-                residual = std::max(d0, d1);
+                residual = distance(planes, points_[i]);
                 if (residual * residual < cap)
-                    of_face[d0 > d1 ? 0 : 1].push_back(i);
+                    of_face[facing(planes, points_[i])].push_back(i);
             }
             sum += std::min(residual * residual, cap);
         }
@@ -273,39 +280,22 @@ double EdgePlaceFinder::misfit_of_round_edge(const EdgePlace& edge, Planes plane
     return sum;
 }
 
-/// \param unit of the places over the plane across the edge [length].
-double EdgePlaceFinder::misfit_of_quadric(const EdgePlace& edge, double unit, double cap) const
+/// \param width within which points lie about the place [length].
+double EdgePlaceFinder::misfit_of_quadric(const EdgePlace& edge, double width, double cap)
 {
-    const Vector up = (edge.normals[0] + edge.normals[1]).normalized(), across = edge.along.cross(up);
-    struct Over
-    {
-        double x, t, height;
-    };
-    const auto place = [&](int i)
-    {
-        const Vector d = points_[i] - edge.place;
-        return Over{d.dot(across) / unit, d.dot(edge.along) / unit, d.dot(up)};
-    };
-    using Coefficients = Eigen::Matrix<double, 6, 1>;
-    const auto monomials = [](const Over& p)
-    { return (Coefficients() << 1, p.x, p.t, p.x * p.x, p.x * p.t, p.t * p.t).finished(); };
-    Eigen::Matrix<double, 6, 6> left = Eigen::Matrix<double, 6, 6>::Zero();
-    Coefficients right = Coefficients::Zero();
-    for (const int i : around_)
-    {
-        const Over p = place(i);
-        const Coefficients m = monomials(p);
-        left += m * m.transpose();
-        right += p.height * m;
-    }
-    const Coefficients c = left.ldlt().solve(right);
+    Sheet sheet;
+    sheet.origin = edge.place;
+    sheet.frame = TangentFrame((edge.normals[0] + edge.normals[1]).normalized());
+    sheet.width = 4 * width; // all points weigh about the same
+    gathered_.gather(points_, {}, around_, sheet.origin);
+    QuadricWeights how{sheet.width, 4};
+    how.ridge_linear = how.ridge_quadratic = 1e-9;
+    sheet.c = fit_quadric(gathered_, Point::Zero(), sheet.frame, how).c;
     double sum = 0;
     for (const int i : around_)
     {
-        const Over p = place(i);
-        const double slope_x = (c[1] + 2 * c[3] * p.x + c[4] * p.t) / unit,
-                     slope_t = (c[2] + c[4] * p.x + 2 * c[5] * p.t) / unit, high = p.height - monomials(p).dot(c);
-        sum += std::min(high * high / (1 + slope_x * slope_x + slope_t * slope_t), cap);
+        const double d = sheet.distance(points_[i]);
+        sum += std::min(d * d, cap);
     }
     return sum;
 }

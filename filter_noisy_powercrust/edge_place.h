@@ -1,5 +1,7 @@
 #pragma once
 
+#include "filter_amls/fits/weighted_sums.h"
+
 #include <recon/geometry.h>
 #include <recon/search/block_search.h>
 
@@ -42,10 +44,10 @@ public:
     {
     }
 
-    /// One or none for each two directions in which the ball touches samples, where the edge is not sharp, or the
-    /// points do not tell, none. \param is_asked becomes whether two directions may be two faces', not a bend's or a
-    /// rim's.
-    /// \param is_known whether there is a place on an edge already, of those at which the ball's may lie.
+    /// For each two directions in which the ball touches samples one place, or none where the edge is not sharp or the
+    /// points do not tell. \param is_known asked with a first guess of the place: whether it need not be sought.
+    /// \param is_asked becomes whether one was sought: two directions may be those of two faces, not of a bend or a
+    /// rim.
     std::vector<EdgePlace> find(const AxisBall& ball, const std::function<bool(const Point&)>& is_known,
                                 bool& is_asked);
 
@@ -59,6 +61,8 @@ private:
     using Planes = std::array<Plane, 2>;
 
     std::optional<EdgePlace> find_in(double widened, const AxisBall& ball, Planes planes);
+    static int facing(const Planes& planes, const Point& p);
+    static double distance(const Planes& planes, const Point& p);
     static bool may_meet(const Planes& planes);
     static Point place_on(const Planes& planes, const Point& from, double below);
     static bool meet(const AxisBall& ball, const Planes& planes, EdgePlace& edge);
@@ -67,16 +71,17 @@ private:
     bool refit(Planes& planes, double capture) const;
     bool fit(Plane& plane, const std::vector<int>& of_face) const;
     bool have_both_faces(const AxisBall& ball, const EdgePlace& edge, const Planes& planes, double along) const;
-    bool is_sharp(const AxisBall& ball, const EdgePlace& edge, const Planes& planes) const;
+    bool is_sharp(const AxisBall& ball, const EdgePlace& edge, const Planes& planes);
     double misfit_of_planes(const Planes& planes, double cap) const;
     double misfit_of_round_edge(const EdgePlace& edge, Planes planes, double radius, double cap) const;
-    double misfit_of_quadric(const EdgePlace& edge, double unit, double cap) const;
+    double misfit_of_quadric(const EdgePlace& edge, double width, double cap);
     double tolerance(const AxisBall& ball) const;
 
     const Points& points_;
     const BlockSearch& search_;
     double noise_;
     std::vector<int> around_; ///< Points in the window.
+    Gathered gathered_;
     std::vector<int> collected_;
     Point collected_at_ = Point::Zero();
     double collected_within_ = -1; ///< [length]

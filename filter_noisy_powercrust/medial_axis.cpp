@@ -259,9 +259,9 @@ void list_simplices(const Triangulation& regular, const std::vector<Side>& label
 }
 
 /// Continues the sheets of one side to the sharp edges at which they end. \param wanted the balls that are the shape's
-/// centres.
-void reach_edges(const LabelledCloud& found, const std::vector<int>& wanted, bool inner, int threads,
-                 const Progress& progress, PowerShape& shape)
+/// centres. \param points of the cloud without outliers. \param search of the distinct points.
+void reach_edges(const LabelledCloud& found, const std::vector<int>& wanted, bool inner, const Points& points,
+                 const NeighbourSearch& search, int threads, const Progress& progress, PowerShape& shape)
 {
     const PreparedSamples& cloud = found.cloud;
     std::vector<int> chosen, centre; // of the shape, per ball
@@ -272,17 +272,15 @@ void reach_edges(const LabelledCloud& found, const std::vector<int>& wanted, boo
             centre.push_back(int(k));
         }
     const std::vector<AxisBall> balls = list_axis_balls(found.labelled, cloud.samples, chosen);
-    const Points claimed = cloud.denoised ? points_at(cloud.claimed, cloud.distinct) : cloud.distinct;
     const double noise = cloud.denoised ? cloud.noise / cloud.frame.scale() : 0;
-    const SheetEnds ends = find_sheet_ends(balls, claimed, noise, threads, progress);
-    for (const int ball : ends.ball)
-    {
-        shape.is_inner.push_back(inner);
-        shape.nearest_sample.push_back(shape.nearest_sample[centre[ball]]);
-    }
+    const SheetEnds ends = find_sheet_ends(balls, points, noise, threads, progress);
     const int first = int(shape.centres.size());
     for (const Point& place : ends.places)
+    {
         shape.centres.push_back(cloud.frame.from_unit(place));
+        shape.is_inner.push_back(inner);
+        shape.nearest_sample.push_back(cloud.order[search.nearest(place)]);
+    }
     shape.radii.resize(shape.centres.size(), 0);
     for (std::array<int, 3> t : ends.triangles)
     {
@@ -310,7 +308,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     labelling.ball_threshold = options.ball_threshold;
     labelling.noise = options.noise;
     labelling.threads = resolve_threads(options.threads);
-    LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.9, "polar balls"));
+    LabelledCloud found = label_cloud(points, preparation, labelling, times, progress.part(0, 0.8, "polar balls"));
     const PreparedSamples& cloud = found.cloud;
     LabelledBalls& labelled = found.labelled;
     const UnitFrame& frame = cloud.frame;
@@ -321,7 +319,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     shape.violated_votes = labelled.violated_votes;
 
     times.begin("power shape");
-    const Progress ending = progress.part(0.9, 1, "power shape");
+    const Progress ending = progress.part(0.8, 0.9, "power shape");
     ending.report(0);
     const std::vector<Ball>& balls = labelled.kept.balls;
     const bool is_noisy = cloud.denoised || shape.noise > noise_of_strays * shape.spacing;
@@ -347,7 +345,7 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     std::vector<int> number(balls.size(), -1);
     const NeighbourSearch search(cloud.distinct);
     std::vector<int> nearest(wanted.size());
-    parallel_for(wanted.size(), labelling.threads, ending.part(0.7, 0.8),
+    parallel_for(wanted.size(), labelling.threads, ending.part(0.7, 0.9),
                  [&](std::size_t k) { nearest[k] = search.nearest(balls[wanted[k]].centre); });
     for (std::size_t k = 0; k < wanted.size(); ++k)
     {
@@ -363,10 +361,11 @@ PowerShape compute_power_shape(const Points& points, const PowerShapeOptions& op
     if (options.reach_edges)
     {
         times.begin("edges");
+        const Points claimed = cloud.denoised ? points_at(cloud.claimed, cloud.distinct) : cloud.distinct;
         for (const bool inner : {true, false})
             if (options.side == MedialSide::both || inner == (options.side == MedialSide::inner))
-                reach_edges(found, wanted, inner, labelling.threads,
-                            progress.part(inner ? 0.98 : 0.99, inner ? 0.99 : 1, "edges"), shape);
+                reach_edges(found, wanted, inner, claimed, search, labelling.threads,
+                            progress.part(inner ? 0.9 : 0.95, inner ? 0.95 : 1, "edges"), shape);
     }
     times.end();
     progress.report(1);

@@ -40,8 +40,8 @@ struct PowerShape
 {
     Points centres;                  ///< Poles, then places on sharp edges.
     std::vector<double> radii;       ///< Of the balls: distance of the medial axis to the surface, 0 on edges.
-    std::vector<char> is_inner;      ///< Per pole.
-    std::vector<int> nearest_sample; ///< Per pole: index of the nearest input point.
+    std::vector<char> is_inner;      ///< Per centre.
+    std::vector<int> nearest_sample; ///< Per centre: index of the nearest input point.
     std::vector<std::array<int, 3>> triangles; ///< Faces of the regular triangulation between poles of one side.
     std::vector<std::array<int, 2>> edges;     ///< Its edges that belong to no triangle.
     int edge_places = 0;                       ///< How many of the centres are places on sharp edges [count].

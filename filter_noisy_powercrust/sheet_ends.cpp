@@ -48,11 +48,7 @@ public:
         follow_edges();
         drop_short_edges();
         SheetEnds result;
-        for (const End& end : ends_)
-        {
-            result.places.push_back(end.place);
-            result.ball.push_back(end.ball);
-        }
+        result.places = list_places();
         const int first = int(balls_.size());
         for (const auto& [i, j] : follow_)
         {
@@ -283,7 +279,6 @@ private:
         {
             const int number = first + int(result.places.size());
             result.places.push_back(corner.place());
-            result.ball.push_back(ends_[corner.members.front()].ball);
             for (const int i : corner.members)
                 result.triangles.push_back({ends_[i].ball, first + i, number});
         }

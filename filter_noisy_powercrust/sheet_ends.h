@@ -19,8 +19,7 @@ std::vector<AxisBall> list_axis_balls(const LabelledBalls& labelled, const Point
 /// What joins a medial axis to the sharp edges at which its sheets end.
 struct SheetEnds
 {
-    Points places;         ///< On edges, and corners where these meet.
-    std::vector<int> ball; ///< Per place: a ball that is nearest to the edge there.
+    Points places; ///< On edges, and corners where these meet.
     /// Strips between balls and edges. A number below that of the balls is a ball's, a higher one a place's.
     std::vector<std::array<int, 3>> triangles;
 };

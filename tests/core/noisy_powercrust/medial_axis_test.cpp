@@ -4,6 +4,7 @@
 #include "tests/shapes.h"
 
 #include <recon/errors.h>
+#include <recon/search/neighbours.h>
 
 #include <gtest/gtest.h>
 
@@ -117,12 +118,14 @@ TEST(PowerShape, SheetsReachSharpEdgesAndCorners)
             expect_sound(shape);
             EXPECT_LT(measure_error(box, shape).unreached, 1.5);
             const std::size_t poles = shape.centres.size() - std::size_t(shape.edge_places);
+            const NeighbourSearch search(points);
             int corners = 0;
             for (std::size_t i = 0; i < shape.centres.size(); ++i)
             {
                 EXPECT_EQ(shape.radii[i] == 0, i >= poles);
                 if (i < poles)
                     continue;
+                EXPECT_EQ(shape.nearest_sample[i], search.nearest(shape.centres[i]));
                 std::array<double, 3> off; // of a place from the three nearest faces
                 for (int k = 0; k < 3; ++k)
                     off[k] = std::abs(std::abs(shape.centres[i][k]) - 2 + 0.5 * k) / box.spacing;
