@@ -1,8 +1,8 @@
 #include "medial_axis.h"
 
-#include "ball_union.h"
-#include "label_cloud.h"
-#include "sheet_ends.h"
+#include "filter_noisy_powercrust/labels/label_cloud.h"
+#include "filter_noisy_powercrust/medial/ball_union.h"
+#include "filter_noisy_powercrust/medial/sheet_ends.h"
 
 #include <recon/errors.h>
 #include <recon/labelling/labelled_balls.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "prepare_samples.h"
+#include "filter_noisy_powercrust/labels/prepare_samples.h"
 
 #include <recon/geometry.h>
 #include <recon/progress.h>

@@ -1,8 +1,8 @@
 #include "reconstruct.h"
 
 #include "filter_amls/mesh/smooth_mesh.h"
-#include "label_cloud.h"
-#include "sharp_edges.h"
+#include "filter_noisy_powercrust/edges/sharp_edges.h"
+#include "filter_noisy_powercrust/labels/label_cloud.h"
 
 #include <recon/bare_faces/bare_faces.h>
 #include <recon/crust/lids.h>

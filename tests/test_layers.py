@@ -19,7 +19,7 @@ def list_sources(root):
     return sorted(f for f in root.rglob("*") if f.suffix in (".h", ".cpp"))
 
 
-@pytest.mark.parametrize("root, first", [("common/recon", [""]), ("filter_amls", []), ("filter_pn_refine", [])])
+@pytest.mark.parametrize("root, first", [("common/recon", [""]), *((root, []) for root in FILTERS)])
 def test_each_folder_uses_those_above_it(root, first):
     """Files beside the folders are below all of them in a filter, its plugin; above in the core."""
     order = first + find_folders(ROOT / root)

@@ -1,4 +1,4 @@
-#include "filter_noisy_powercrust/prepare_samples.h"
+#include "filter_noisy_powercrust/labels/prepare_samples.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 #include "tests/checks.h"
 #include "tests/flat_shapes.h"

@@ -1,5 +1,5 @@
 #include "filter_amls/mesh/reconstruct_amls.h"
-#include "filter_noisy_powercrust/label_cloud.h"
+#include "filter_noisy_powercrust/labels/label_cloud.h"
 #include "filter_noisy_powercrust/reconstruct.h"
 
 #include "tests/checks.h"

@@ -1,7 +1,7 @@
-#include "filter_noisy_powercrust/sharp_edges.h"
+#include "filter_noisy_powercrust/edges/sharp_edges.h"
 
+#include "filter_noisy_powercrust/edges/wedge.h"
 #include "filter_noisy_powercrust/reconstruct.h"
-#include "filter_noisy_powercrust/wedge.h"
 
 #include "tests/checks.h"
 #include "tests/shapes.h"

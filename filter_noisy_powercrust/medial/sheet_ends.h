@@ -1,6 +1,6 @@
 #pragma once
 
-#include "edge_place.h"
+#include "filter_noisy_powercrust/edges/edge_place.h"
 
 #include <recon/geometry.h>
 #include <recon/labelling/labelled_balls.h>
