@@ -28,8 +28,6 @@ using namespace recon;
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
-
 /// As noisy_cloud() makes them, without those whose vertex has no triangles.
 OrientedSamples list_samples(const Model& model, double percent, unsigned seed)
 {
@@ -61,17 +59,11 @@ void print_model(const std::string& path, double percent, unsigned seed)
 /// \param wall, noise [spacings]
 void print_tube(double wall, double noise, unsigned seed)
 {
-    constexpr int samples = 4000;
-    constexpr double radius = 1, half_length = 1.5;
-    const double spacing = std::sqrt(8 * pi * radius * half_length / samples); // nearly
-    const OrientedSamples tube = shapes::tube(samples, radius, wall * spacing, half_length, seed);
-    const Points cloud = noise > 0 ? shapes::with_noise(tube.points, noise * spacing, seed + 1) : tube.points;
-    const double middle = radius - wall * spacing / 2;
-    const double volume = 4 * pi * middle * wall * spacing * half_length;
-    const TriangleMesh amls = reconstruct_amls(cloud).mesh, crust = reconstruct_noisy_power_crust(cloud).mesh;
+    const shapes::Pipe tube = shapes::pipe(wall, noise, seed);
+    const TriangleMesh amls = reconstruct_amls(tube.noisy).mesh, crust = reconstruct_noisy_power_crust(tube.noisy).mesh;
     std::printf("| %.1f | %.2f | %.4f | %.3f | %.3f |\n", wall, noise,
-                checks::share_facing(find_outward_normals(cloud).normals, tube.normals),
-                checks::examine_mesh(amls).volume / volume, checks::examine_mesh(crust).volume / volume);
+                checks::share_facing(find_outward_normals(tube.noisy).normals, tube.samples.normals),
+                checks::examine_mesh(amls).volume / tube.volume, checks::examine_mesh(crust).volume / tube.volume);
 }
 
 } // namespace

@@ -92,4 +92,16 @@ OrientedSamples copies_along_normals(const OrientedSamples& samples, double sigm
     return result;
 }
 
+Pipe pipe(double wall, double noise, std::uint64_t seed)
+{
+    constexpr int samples = 4000;
+    constexpr double radius = 1, half_length = 1.5;
+    const double spacing = std::sqrt(8 * pi * radius * half_length / samples); // nearly
+    Pipe result;
+    result.samples = tube(samples, radius, wall * spacing, half_length, seed);
+    result.noisy = noise > 0 ? with_noise(result.samples.points, noise * spacing, seed + 1) : result.samples.points;
+    result.volume = 4 * pi * (radius - wall * spacing / 2) * wall * spacing * half_length;
+    return result;
+}
+
 } // namespace shapes

@@ -65,6 +65,15 @@ recon::OrientedSamples tube(int n, double radius, double wall, double half_lengt
 /// A tube whose walls are 1.3 spacings thick, so that neighbourhoods mix their sides: 4000 samples.
 inline constexpr double thin_tube_spacing = 0.095;
 recon::OrientedSamples thin_tube(std::uint64_t seed);
+/// Such a tube of radius 1 and length 3 with walls of some spacings: 4000 samples.
+struct Pipe
+{
+    recon::OrientedSamples samples;
+    recon::Points noisy;
+    double volume = 0; ///< Of the walls.
+};
+/// \param wall, noise [spacings]
+Pipe pipe(double wall, double noise, std::uint64_t seed);
 /// The two faces of a square plate of `side` spacings, one sample a unit of area, jittered within the faces.
 recon::Points thin_plate(int side, double thickness, std::uint64_t seed);
 /// Such faces one above the other; a plate is two of them.

@@ -162,6 +162,7 @@ MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstruction
     const Mismatch mismatch = measure_mismatch(points, first, threads);
     const PointsAgainst before{mismatch.missed_points, first.found.labelled.violated_votes};
     std::optional<MeshAttempt> last;
+    bool has_none = false;
     for (int i = 1; i <= halvings; ++i)
     {
         last.reset();
@@ -179,14 +180,15 @@ MeshedWalls look_for_meshed_walls(const Points& points, const AmlsReconstruction
             return {std::move(last)};
         const double missed =
             measure_missed_points(last->found.frame.to_unit(list_distinct(points, last->surface)), crust, threads);
-        if (finds_no_walls(before, {missed, last->found.labelled.violated_votes}))
-            return {{}, true};
+        has_none = finds_no_walls(before, {missed, last->found.labelled.violated_votes});
+        if (has_none)
+            break;
         if (missed > barely_less * before.missed)
             i = std::max(i, halvings - 1);
     }
     if (last && open_lids(*last, points, options, mismatch.sum(), times, progress.part(0.9, 1)))
         return {std::move(last)};
-    return {};
+    return {{}, has_none};
 }
 
 struct MeshBetweenSheets

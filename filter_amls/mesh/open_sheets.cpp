@@ -27,6 +27,10 @@ constexpr double many_holes = 2e-3;
 /// the votes only, it may lack as much (0.9, and 0.12 more are reached from the front).
 constexpr double less_lack = 0.8;
 
+/// Share of votes above which a slab of which no scanner is known must halve those of the lidded crust: 0.02 at most
+/// object to slabs of sheets, 0.04 to 0.055 where the backs of thin walls came through the walls.
+constexpr double through_walls = 0.03;
+
 /// Of a slab's second attempt [spacings].
 constexpr double other_thickness = 4;
 /// Of a body closed by itself: least triangles [count], and mean thickness, below which it may be a shred between sheet
@@ -159,7 +163,9 @@ std::optional<BackedSheets> back_all(const Points& samples, const Vectors& norma
                              : backed.violated <= clearly_backed * lidded.violated ? 1
                                                                                    : less_lack;
     const bool lacks_less = backed.lack() <= lack_left * lidded.lack() && backed.handles <= most_handles;
+    const bool comes_through = !is_seen && backed.violated > std::max(through_walls, clearly_backed * lidded.violated);
     const bool is_better =
+        !comes_through &&
         (lidded.is_whole() ? backed.is_whole() && has_fewer_handles : backed.is_whole() || lacks_less) &&
         is_all_seen(backed.crust, samples);
     times.end();

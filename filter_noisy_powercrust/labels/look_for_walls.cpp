@@ -50,15 +50,11 @@ public:
             try_fine_balls(best, flooded_above, progress.part(0, 0.1, "fine balls"));
         if (best.has_lids())
         {
-            const double finest = std::ldexp(best.attempt.cloud.noise, -halvings);
+            const double noise = best.attempt.cloud.noise;
             LessNoise last = try_less_noise(best, progress.part(0.1, 0.7, "less noise"));
             // Bare flats are no lids. Votes that object little share balls, which have other numbers in the next run.
             if (!has_flats && best.has_lids() && last.violated > objecting_votes)
-                try_open_lids(best,
-                              last.dropped ? std::move(*last.dropped)
-                                           : attempts_.prepare_and_label(Denoise::on, finest,
-                                                                         progress.part(0.7, 0.9, "least noise")),
-                              progress.part(0.9, 1, "open lids"));
+                look_under_lids(best, last, noise, progress.part(0.7, 1));
             best.attempt.lost_walls = best.has_lids() && !last.finds_none;
         }
         return std::move(best.attempt);
@@ -158,8 +154,9 @@ private:
             }
             else
                 last.dropped = std::move(finer.attempt);
-            if (best.has_lids() && finds_no_walls(before, {missed, last.violated}))
-                return {0, {}, true};
+            last.finds_none = best.has_lids() && finds_no_walls(before, {missed, last.violated});
+            if (last.finds_none)
+                break;
             if (missed > barely_less * missed_before)
                 i = std::max(i, halvings - 1);
         }
@@ -195,8 +192,23 @@ private:
         return *judged.lack;
     }
 
-    /// A cloud with all lids open.
-    void try_open_lids(Judged& best, LabelledCloud open, const Progress& progress)
+    /// The cloud with the least noise and open lids, or first, where none would find walls, the one that said so.
+    /// \param noise told.
+    void look_under_lids(Judged& best, LessNoise& last, double noise, const Progress& progress)
+    {
+        const double most_left = clearly_better * best.mismatch.sum();
+        if (last.dropped)
+            try_open_lids(best, std::move(*last.dropped), most_left, progress.part(0, 0.2, "open lids"));
+        const bool are_there_after_all = last.finds_none && best.attempt.opened;
+        if (are_there_after_all || (!last.finds_none && !last.dropped))
+            try_open_lids(best,
+                          attempts_.prepare_and_label(Denoise::on, std::ldexp(noise, -halvings),
+                                                      progress.part(0.2, 0.7, "least noise")),
+                          most_left, progress.part(0.7, 1, "open lids"));
+    }
+
+    /// A cloud with all lids open. \param most_mismatch that it must stay below.
+    void try_open_lids(Judged& best, LabelledCloud open, double most_mismatch, const Progress& progress)
     {
         if (open.completed > 0)
             return;
@@ -210,7 +222,7 @@ private:
         turn_normals(open);
         open.opened = true;
         Judged opened = attempts_.judge(std::move(open));
-        if (opened.mismatch.sum() < clearly_better * best.mismatch.sum())
+        if (opened.mismatch.sum() < most_mismatch)
             best = std::move(opened);
     }
 

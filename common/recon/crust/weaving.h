@@ -46,7 +46,8 @@ inline constexpr double bare_if_open = 0.15;
 /// no more handles, no more points lie beyond that noise than chance puts there, and neither walls nor hollows went
 /// under in it. The first may be lace that encloses a half of what it should, or nearly nothing, and of which votes say
 /// less; but then no lids may be bare, and the sheets no two that lie everywhere as far apart, as of a thin hollow
-/// shell: 0.90 and more as even, sheets of many scans up to 0.80. \param misfit of the points and the attempt's crust
+/// shell: 0.90 and more as even, sheets of many scans up to 0.80. Both together are a pipe that the first had filled
+/// already. \param misfit of the points and the attempt's crust
 /// by its noise.
 inline bool lies_between_sheets(const Woven& first, const Woven& with_more, const NoiseMisfit& misfit)
 {
@@ -55,8 +56,9 @@ inline bool lies_between_sheets(const Woven& first, const Woven& with_more, cons
     const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 && with_more.bare_area <= bare_lid &&
                           misfit.evenness < even;
     const bool is_of_same_volume = std::abs(growth) <= same_volume * std::abs(first.volume);
+    const bool was_filled = with_more.bare_area > bare_lid && misfit.evenness >= even;
     const double most = was_lace ? left_of_lace : left;
-    return (was_lace || is_of_same_volume) && with_more.violated <= most * first.violated &&
+    return (was_lace || is_of_same_volume) && !was_filled && with_more.violated <= most * first.violated &&
            with_more.handles <= first.handles && misfit.beyond_noise <= beyond_by_chance;
 }
 

@@ -1,10 +1,13 @@
+#include "filter_amls/mesh/reconstruct_amls.h"
 #include "filter_amls/mesh/thin_walls.h"
+#include "filter_amls/normals/outward_normals.h"
 #include "filter_amls/surface/sample_surface.h"
 #include "filter_amls/surface/surface.h"
 
 #include <recon/mesh/crust_mesh.h>
 #include <recon/search/spatial_order.h>
 
+#include "tests/checks.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
@@ -95,4 +98,16 @@ TEST(LabelThinWalls, FewHandlesLeftMakeUpForVotes)
     EXPECT_TRUE(fins.label_again(0.5));
     fins.plain.violated_votes = better->violated_votes / 0.9;
     EXPECT_FALSE(fins.label_again(0.5));
+}
+
+// See NoisyPowerCrust.PipesOfThinNoisyWallsAreNotFilled.
+TEST(ReconstructAmls, PipesOfThinNoisyWallsAreNotFilled)
+{
+    for (const int seed : {722, 725})
+    {
+        const shapes::Pipe pipe = shapes::pipe(1.5, 0.3, seed);
+        const TriangleMesh mesh = reconstruct_amls(pipe.noisy).mesh;
+        EXPECT_NEAR(checks::examine_mesh(mesh).volume / pipe.volume, 1, 0.2) << seed;
+        EXPECT_GT(checks::share_facing(find_outward_normals(pipe.noisy).normals, pipe.samples.normals), 0.9) << seed;
+    }
 }

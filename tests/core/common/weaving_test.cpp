@@ -38,6 +38,8 @@ TEST(LiesBetweenSheets, TheVolumeStaysAndHalfTheVotesAgain)
     EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 0, 0}, beyond)) << "limbs are lost";
     EXPECT_FALSE(lies_between_sheets(first, {0.01, 0.9, 0, 0}, scattered)) << "walls are lost";
     EXPECT_FALSE(lies_between_sheets(first, {0.01, 1.1, 0, 0.03}, scattered)) << "a hollow is filled";
+    EXPECT_FALSE(lies_between_sheets(first, {0.01, 1, 0, 0.03}, even)) << "a pipe was filled before";
+    EXPECT_TRUE(lies_between_sheets(first, {0.01, 1, 0, 0}, even));
 }
 
 // As of views a hundredth of the diagonal out of register.
