@@ -99,6 +99,16 @@ TEST(NoisyFibres, AreNoneWhereNoiseGoesAnywhereOrThereIsNone)
         EXPECT_FALSE(has_fibres(shapes::with_noisy_copies(torus, sigma, 4, 6))) << sigma;
 }
 
+// Copies in line by chance, in up to 0.9 of the places, were told as fibres, and the tubes as noise of 0.8 spacings.
+TEST(NoisyFibres, AreNoCopiesInLineByChance)
+{
+    for (const double diameter : {1.5, 2.0, 2.5})
+        EXPECT_FALSE(
+            has_fibres(shapes::with_noisy_copies(shapes::torus_of_rings(22, diameter / 2).points, 0.1, 4, 161)))
+            << diameter;
+    EXPECT_FALSE(has_fibres(shapes::with_noisy_copies(shapes::bored_plate(3, 2, 62), 0.1, 4, 162)));
+}
+
 TEST(NoisyFibres, AreNoneIfFewPlacesSeeThem)
 {
     Points points = moved_along_normals(4, 0.01, 3);
