@@ -47,8 +47,8 @@ struct OtherNoise
 
 /// More noise, where the first attempt weaves between sheets, see weaving.h. Less, where it seems_filled(), as walls of
 /// one to two spacings read as noise: an attempt without lids with half of it, a quarter, an eighth, if there is one;
-/// else that with an eighth and open lids, if the points object to lids and not to these. \param first attempt, whose
-/// noise was estimated. \throws Cancelled.
+/// else that with an eighth, or the one that tells that none would do, with open lids, if the points object to lids and
+/// not to these. \param first attempt, whose noise was estimated. \throws Cancelled.
 OtherNoise look_with_other_noise(const Points& points, const AmlsReconstructionOptions& options,
                                  const MeshAttempt& first, PhaseTimes& times, const Progress& progress);
 

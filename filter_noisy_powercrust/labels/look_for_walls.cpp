@@ -117,8 +117,8 @@ private:
             best = std::move(fine);
     }
 
-    /// The last attempt with less noise: its share of violated votes, and what it found unless that is the best. Or no
-    /// walls are to be found.
+    /// The last attempt with less noise: its share of violated votes, what it found unless that is the best, and
+    /// whether it tells that no other will find walls.
     struct LessNoise
     {
         double violated = 0;

@@ -47,18 +47,16 @@ inline constexpr double bare_if_open = 0.15;
 /// under in it. The first may be lace that encloses a half of what it should, or nearly nothing, and of which votes say
 /// less; but then no lids may be bare, and the sheets no two that lie everywhere as far apart, as of a thin hollow
 /// shell: 0.90 and more as even, sheets of many scans up to 0.80. Both together are a pipe that the first had filled
-/// already. \param misfit of the points and the attempt's crust
-/// by its noise.
+/// already. \param misfit of the points and the attempt's crust by its noise.
 inline bool lies_between_sheets(const Woven& first, const Woven& with_more, const NoiseMisfit& misfit)
 {
     constexpr double left = 0.5, left_of_lace = 0.75, beyond_by_chance = 0.0027, same_volume = 0.05, even = 0.85;
     const double growth = with_more.volume - first.volume;
-    const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 && with_more.bare_area <= bare_lid &&
-                          misfit.evenness < even;
-    const bool is_of_same_volume = std::abs(growth) <= same_volume * std::abs(first.volume);
-    const bool was_filled = with_more.bare_area > bare_lid && misfit.evenness >= even;
+    const bool has_lids = with_more.bare_area > bare_lid, are_walls = misfit.evenness >= even;
+    const bool was_lace = 2 * with_more.handles < first.handles && growth > 0 && !has_lids && !are_walls;
+    const bool is_same_solid = std::abs(growth) <= same_volume * std::abs(first.volume) && !(has_lids && are_walls);
     const double most = was_lace ? left_of_lace : left;
-    return (was_lace || is_of_same_volume) && !was_filled && with_more.violated <= most * first.violated &&
+    return (was_lace || is_same_solid) && with_more.violated <= most * first.violated &&
            with_more.handles <= first.handles && misfit.beyond_noise <= beyond_by_chance;
 }
 

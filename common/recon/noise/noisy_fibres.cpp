@@ -251,24 +251,27 @@ bool has_noisy_fibres(const Points& points, const BlockSearch& search, int threa
 {
     if (points.size() < fewest_points)
         return false;
-    std::vector<char> is_on_fibre(asked), is_along_surface(asked);
-    const auto place_of = [&](std::size_t k) -> const Point&
-    { return points[(2 * (k * stride % asked) + 1) * points.size() / (2 * asked)]; };
-    const auto look = [&](std::size_t k)
-    { is_on_fibre[k] = FibreSearch(points, search).find(place_of(k)).has_value(); };
-    const auto count = [](const std::vector<char>& are) { return double(std::count(are.begin(), are.end(), 1)); };
-    parallel_for(asked_first, threads, {}, look, 8);
-    if (count(is_on_fibre) < least_share_first * double(asked_first))
+    const auto count_places = [&](std::size_t first, std::size_t last, const auto& is_one)
+    {
+        std::vector<char> are(last - first);
+        const auto look = [&](std::size_t k)
+        {
+            const std::size_t place = (first + k) * stride % asked;
+            FibreSearch fibres(points, search);
+            are[k] = is_one(fibres, points[(2 * place + 1) * points.size() / (2 * asked)]);
+        };
+        parallel_for(are.size(), threads, {}, look, 8);
+        return double(std::count(are.begin(), are.end(), 1));
+    };
+    const auto is_on_fibre = [](FibreSearch& fibres, const Point& at) { return fibres.find(at).has_value(); };
+    double found = count_places(0, asked_first, is_on_fibre);
+    if (found < least_share_first * double(asked_first))
         return false;
-    parallel_for(
-        asked - asked_first, threads, {}, [&](std::size_t k) { look(asked_first + k); }, 8);
-    const double found = count(is_on_fibre);
+    found += count_places(asked_first, asked, is_on_fibre);
     if (found <= least_share * double(asked))
         return false;
-    parallel_for(
-        asked, threads, {},
-        [&](std::size_t k) { is_along_surface[k] = FibreSearch(points, search).lies_along_surface(place_of(k)); }, 8);
-    const double by_chance = count(is_along_surface);
+    const double by_chance =
+        count_places(0, asked, [](FibreSearch& fibres, const Point& at) { return fibres.lies_along_surface(at); });
     return by_chance <= most_by_chance * found && found - by_chance > least_share_left * double(asked);
 }
 
